@@ -1,0 +1,180 @@
+# cns: Clean Numerical Simulation of chaotic ODEs.   make help   lists the targets.
+#
+# Variables: CC, CFLAGS, CPPFLAGS, LDFLAGS, LDLIBS as usual; VARIANT=release|debug|san|coverage;
+# WERROR=1; prefix, DESTDIR; CASE, the case file of `make run`; T, the suites or CLI tests of `make check`.
+# A new source, test or tool needs no change here: everything is found by its place and name.
+
+VARIANT ?= release
+B       := build$(if $(filter-out release,$(VARIANT)),/$(VARIANT))
+VERSION := $(shell sed -n 's/^.define CNS_VERSION "\(.*\)"/\1/p' include/cns/version.h)
+
+CFLAGS_release  := -O3 -g
+CFLAGS_debug    := -O0 -g
+CFLAGS_san      := -O1 -g
+CFLAGS_coverage := -O0 -g
+CFLAGS          ?= $(CFLAGS_$(VARIANT))
+
+# What a variant is made of, whatever CFLAGS says.
+VARIANT_debug    := -DCNS_DEBUG
+VARIANT_san      := -DCNS_DEBUG -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+VARIANT_coverage := --coverage -DCNS_DEBUG
+ifeq ($(CFLAGS_$(VARIANT)),)
+$(error VARIANT is release, debug, san or coverage, not '$(VARIANT)')
+endif
+
+WARNINGS    := -Wall -Wextra -Wshadow -Wconversion $(if $(filter 1,$(WERROR)),-Werror)
+# No contraction: a fused multiply-add gives other bits than a multiplication and an addition.
+ALL_CFLAGS   = -std=c11 $(CFLAGS) $(VARIANT_$(VARIANT)) $(WARNINGS) -ffp-contract=off -pthread
+ALL_CPPFLAGS = -D_POSIX_C_SOURCE=200809L -Iinclude -Isrc $(CPPFLAGS)
+ALL_LDLIBS   = -lmpfr -lgmp -lyaml $(LDLIBS) -lm
+COMPILE      = $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS)
+LINK         = $(CC) $(ALL_CFLAGS) $(LDFLAGS)
+# Recursive: asked for only when the tests are linked, after tools/setup has run.
+CHECK_LIBS   = $(shell pkg-config --libs check 2>/dev/null || echo -lcheck -lsubunit -lrt)
+
+LIB_SOURCES   := $(sort $(shell find src -name '*.c' ! -path 'src/cli/*'))
+CLI_SOURCES   := $(sort $(shell find src/cli -name '*.c'))
+SUITE_SOURCES := $(sort $(wildcard tests/test_*.c))
+TEST_SOURCES  := $(sort $(wildcard tests/*.c))
+TOOL_SOURCES  := $(sort $(wildcard tools/*.c))
+HEADERS       := $(sort $(wildcard include/cns/*.h))
+FORMATTED     := $(LIB_SOURCES) $(CLI_SOURCES) $(TEST_SOURCES) $(TOOL_SOURCES) $(HEADERS) \
+                 $(sort $(shell find src -name '*.h') $(wildcard tests/*.h tools/*.h))
+
+quoted  = '$(subst ','\'',$(1))'
+objects = $(patsubst %.c,$(B)/obj/%.o,$(1))
+LIB     := $(B)/libcns.a
+PROGRAM := $(B)/cns
+TESTS   := $(B)/cns-tests
+TOOLS   := $(patsubst tools/%.c,$(B)/%,$(TOOL_SOURCES))
+BENCHES := $(filter $(B)/bench%,$(TOOLS))
+
+prefix     ?= /usr/local
+bindir     ?= $(prefix)/bin
+libdir     ?= $(prefix)/lib
+includedir ?= $(prefix)/include
+# As cns.pc says it, so that an installed tree can be moved.
+under_prefix = $(patsubst $(prefix)/%,$${prefix}/%,$(1))
+CASE       ?= cases/case4.yaml
+
+# As many jobs as there are processors where the user named no number.
+JOBS      = $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
+MAKE_JOBS = --no-print-directory $(if $(findstring -j,$(MAKEFLAGS)),,-j$(JOBS))
+
+.PHONY: all run check check-san debug san coverage bench tools install uninstall \
+        format format-check clean help setup FORCE
+.DELETE_ON_ERROR:
+.SUFFIXES:
+
+all: $(PROGRAM) $(LIB)
+
+help:
+	@printf '%s\n' \
+	'make              the program $(PROGRAM) and the library $(LIB)' \
+	'make run          install what is missing, build, run $(CASE) (CASE=FILE: another)' \
+	'make check        install what is missing, build, run all tests (T="number cli": some)' \
+	'make check-san    the tests under AddressSanitizer and UBSan' \
+	'make coverage     the tests with gcov; the report is build/coverage/report/index.html' \
+	'make debug | san  these variants, in build/debug and build/san' \
+	'make bench        build and run the benchmarks of tools/' \
+	'make tools        build the programs of tools/' \
+	'make install      to $(prefix) (prefix=, DESTDIR=); make uninstall' \
+	'make format       clang-format all sources; make format-check: only look' \
+	'make clean        remove build/' \
+	'Variables: CC=clang, CFLAGS=..., WERROR=1, VARIANT=debug|san|coverage'
+
+setup:
+	@tools/setup
+
+run:
+	@tools/setup
+	@$(MAKE) $(MAKE_JOBS) all
+	$(PROGRAM) run $(CASE)
+
+check:
+	@tools/setup --tests
+	@$(MAKE) $(MAKE_JOBS) all $(TESTS)
+	@tests/run $(B) $(T)
+
+debug san:
+	@$(MAKE) $(MAKE_JOBS) VARIANT=$@ all
+
+check-san:
+	@$(MAKE) $(MAKE_JOBS) VARIANT=san check
+
+coverage:
+	@find build/coverage -name '*.gcda' -delete 2>/dev/null || true
+	@$(MAKE) $(MAKE_JOBS) VARIANT=coverage check
+	@if command -v gcovr >/dev/null; then \
+	    mkdir -p build/coverage/report && \
+	    gcovr --root . --filter 'src/' --gcov-executable '$(GCOV)' build/coverage/obj \
+	        --html-details build/coverage/report/index.html --txt; \
+	else echo 'gcovr is not installed: no report'; fi
+GCOV ?= $(if $(findstring clang,$(CC)),llvm-cov gcov,gcov)
+
+tools: $(TOOLS)
+
+bench: $(BENCHES)
+	@set -e; for b in $(BENCHES); do echo "$$b"; "$$b"; done
+
+# Compiling. An object depends on its source, its headers, and the compiler and flags in use.
+
+$(B)/obj/%.o: %.c $(B)/flags
+	@mkdir -p $(@D)
+	$(COMPILE) $(CPPFLAGS_$(firstword $(subst /, ,$<))) -MMD -MP -c $< -o $@
+
+CPPFLAGS_tests = -I$(B)
+
+$(LIB): $(call objects,$(LIB_SOURCES)) $(B)/sources
+	@rm -f $@
+	$(AR) rcs $@ $(filter %.o,$^)
+
+$(PROGRAM): $(call objects,$(CLI_SOURCES)) $(LIB)
+	$(LINK) $(filter %.o %.a,$^) $(ALL_LDLIBS) -o $@
+
+$(TESTS): $(call objects,$(TEST_SOURCES)) $(LIB)
+	$(LINK) $(filter %.o %.a,$^) $(CHECK_LIBS) $(ALL_LDLIBS) -o $@
+
+$(TOOLS): $(B)/%: $(B)/obj/tools/%.o $(LIB)
+	$(LINK) $(filter %.o %.a,$^) $(ALL_LDLIBS) -o $@
+
+$(B)/obj/tests/main.o: $(B)/suites.def
+
+# Small files made from variables; each is written anew only when its text changes.
+
+$(B)/flags:      TEXT = $(COMPILE) $(LDFLAGS) $(ALL_LDLIBS) | $(shell $(CC) --version 2>/dev/null | head -n 1)
+$(B)/sources:    TEXT = $(LIB_SOURCES) | $(CLI_SOURCES) | $(TEST_SOURCES)
+$(B)/suites.def: TEXT = $(patsubst tests/test_%.c,SUITE(%),$(SUITE_SOURCES))
+$(B)/flags $(B)/sources $(B)/suites.def: FORCE
+	@mkdir -p $(@D)
+	@printf '%s\n' $(call quoted,$(TEXT)) > $@.new; cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+
+-include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(TEST_SOURCES) $(TOOL_SOURCES)))
+
+# Installing.
+
+install: all
+	install -d $(DESTDIR)$(bindir) $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(includedir)/cns
+	install -m 755 $(PROGRAM) $(DESTDIR)$(bindir)/cns
+	install -m 644 $(LIB) $(DESTDIR)$(libdir)/libcns.a
+	install -m 644 $(HEADERS) $(DESTDIR)$(includedir)/cns
+	printf '%s\n' 'prefix=$(prefix)' 'libdir=$(call under_prefix,$(libdir))' \
+	    'includedir=$(call under_prefix,$(includedir))' '' \
+	    'Name: cns' 'Description: Clean Numerical Simulation of chaotic ODEs' 'Version: $(VERSION)' \
+	    'Requires: mpfr gmp yaml-0.1' 'Cflags: -I$${includedir} -pthread' \
+	    'Libs: -L$${libdir} -lcns -pthread -lm' > $(DESTDIR)$(libdir)/pkgconfig/cns.pc
+
+uninstall:
+	rm -f $(DESTDIR)$(bindir)/cns $(DESTDIR)$(libdir)/libcns.a $(DESTDIR)$(libdir)/pkgconfig/cns.pc
+	rm -f $(addprefix $(DESTDIR)$(includedir)/cns/,$(notdir $(HEADERS)))
+	-rmdir $(DESTDIR)$(includedir)/cns
+
+CLANG_FORMAT ?= clang-format
+format:
+	$(CLANG_FORMAT) -i $(FORMATTED)
+format-check:
+	@bad=; for f in $(FORMATTED); do $(CLANG_FORMAT) $$f | cmp -s - $$f || bad="$$bad $$f"; done; \
+	[ -z "$$bad" ] || { echo "not formatted:$$bad"; exit 1; }
+
+clean:
+	rm -rf build

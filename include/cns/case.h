@@ -1,0 +1,55 @@
+/* Case files: YAML that says what to compute. README.md lists the keys. */
+#ifndef CNS_CASE_H
+#define CNS_CASE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "cns/model.h"
+#include "cns/number.h"
+#include "cns/solve.h"
+#include "cns/status.h"
+
+typedef struct cns_case {
+    char *name; /* as the user named the file; "<stdin>" for standard input */
+    char *text; /* its bytes, NUL-terminated; UTF-8 without control characters other than tab, CR, LF */
+    size_t length;
+    char sha256[65]; /* of text, without the overrides */
+    char *overrides; /* the --set options, one per line; NULL when there are none */
+    const cns_model *model;
+    cns_number *parameters; /* model->n_parameters */
+    cns_number *initial;    /* model->n_states */
+    cns_number end, every;  /* > 0 */
+    bool smooth;            /* abs: {smooth: eps} */
+    cns_number eps;
+    bool has_goal, has_numerics; /* never both */
+    cns_goal goal;
+    cns_numerics numerics;
+    int n_columns;
+    cns_column *columns;
+} cns_case;
+
+/* Reads and checks a case file, "-" being standard input. `sets` are n_sets texts "key.key=value" that
+ * override scalars. Every fault is reported, one per line without a final newline ("name:line:column:
+ * message", then "--set TEXT: message"), in *report, a new string (NULL when there are none) that the
+ * caller frees; then the result is CNS_USAGE. CNS_IO, with one line in *report, when the file cannot be
+ * read. On CNS_OK *c is a new case; else it is NULL.
+ *
+ * Neither `goal` nor `numerics` is needed here: `run` needs one, studies can choose for themselves. */
+cns_code cns_case_load(const char *path, const char *const *sets, int n_sets, cns_case **c, char **report);
+
+/* The same for a text in memory; `name` stands in messages. */
+cns_code cns_case_parse(const char *name, const char *text, size_t length, const char *const *sets,
+                        int n_sets, cns_case **c, char **report);
+void cns_case_free(cns_case *c);
+
+/* The resolved case, defaults filled in, as a case file that resolves to the same. */
+void cns_case_print(const cns_case *c, FILE *out);
+
+/* The keys of case files, with their ranges, defaults and meanings. */
+void cns_case_print_keys(FILE *out);
+
+const char *cns_case_column_name(const cns_case *c, int column);
+
+#endif

@@ -1,0 +1,75 @@
+/* Integration: a trajectory of a program, step by step, by any method, with dense output.
+ *
+ * A flow holds the last step [t0, t1] with the states at both ends and evaluates the states anywhere in
+ * between. Steps are a function of the problem and the numerics alone: output times never change them. */
+#ifndef CNS_INTEGRATE_H
+#define CNS_INTEGRATE_H
+
+#include <gmp.h>
+#include <mpfr.h>
+#include <signal.h>
+#include <stdbool.h>
+
+#include "cns/number.h"
+#include "cns/program.h"
+#include "cns/status.h"
+
+typedef enum cns_method {
+    CNS_METHOD_TAYLOR, /* Taylor series, order and step as below, landing on kinks */
+    CNS_METHOD_RK4     /* the classical Runge-Kutta method, fixed step, blind to kinks */
+} cns_method;
+
+typedef enum cns_arithmetic {
+    CNS_ARITH_MPFR,  /* every operation correctly rounded to prec bits */
+    CNS_ARITH_DOUBLE /* IEEE double; functions by the C library */
+} cns_arithmetic;
+
+typedef struct cns_flow_spec {
+    const cns_program *program; /* finished; outlives the flow */
+    const double *scales;       /* per state, typical sizes: what tolerances are relative to */
+    cns_method method;
+    cns_arithmetic arithmetic;
+    bool portable;          /* double: correctly rounded functions, the same bits on every machine */
+    mpfr_prec_t prec;       /* bits; ignored (53) for double */
+    int order;              /* of the Taylor series, >= 1 */
+    const cns_number *step; /* NULL: adaptive; else fixed, > 0; outlives the flow */
+    double tolerance_log2;  /* adaptive: log2 of the local truncation error, in scales */
+    double safety;          /* adaptive: steps are 2^-safety of what the coefficients allow; >= 0 */
+    bool verify;            /* after each step, compare the derivative with the right-hand side */
+    const volatile sig_atomic_t *stop; /* non-zero: give up (may be NULL) */
+} cns_flow_spec;
+
+typedef struct cns_flow cns_flow;
+
+/* Digits K mean ceil(K log2 10) bits and guard bits against the rounding inside one step. */
+mpfr_prec_t cns_digits_to_bits(long digits);
+
+/* The order at which a Taylor step of local error 2^tolerance_log2 costs least, in the plain arithmetic:
+ * 1 - ln(tolerance)/2 (Jorba and Zou 2005, section 3). */
+int cns_order_for(double tolerance_log2);
+
+cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err);
+void cns_flow_free(cns_flow *f);
+
+/* To t = 0 with these states, converted at the flow's precision. */
+void cns_flow_start(cns_flow *f, const cns_number *initial);
+
+/* One step. CNS_NUMERIC: singularity, underflow, a number that is not finite, or (verify) a derivative
+ * that is not the right-hand side; the message says where. CNS_STOPPED: spec.stop was raised. */
+cns_code cns_flow_step(cns_flow *f, cns_error *err);
+
+int cns_flow_states(const cns_flow *f);
+mpfr_prec_t cns_flow_prec(const cns_flow *f);
+mpfr_srcptr cns_flow_begin(const cns_flow *f);   /* t0 of the last step */
+mpfr_srcptr cns_flow_end(const cns_flow *f);     /* t1 */
+const mpfr_t *cns_flow_state(const cns_flow *f); /* at t1 */
+const mpfr_t *cns_flow_begin_state(const cns_flow *f);
+bool cns_flow_landed(const cns_flow *f);       /* did the last step end on a kink? */
+double cns_flow_noise_log2(const cns_flow *f); /* of the last step: rounding or truncation, in scales */
+long cns_flow_steps(const cns_flow *f);
+long cns_flow_events(const cns_flow *f);
+
+/* States at time t0 <= t <= t1 of the last step; x has one number per state, rounded to its precision. */
+void cns_flow_eval(cns_flow *f, const mpq_t t, mpfr_t *x);
+
+#endif

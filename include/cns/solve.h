@@ -1,0 +1,106 @@
+/* Whole trajectories as tables: by given numerics, with or without a proof, or by a goal.
+ *
+ * Proof is Clean Numerical Simulation's own criterion, convergence under refinement, strengthened; it is not
+ * interval arithmetic. Two runs differ in precision (by at least one limb), order, safety factor and hence
+ * every step, with every constant converted anew from its text. e = 16 max(|s1 - s2|, what the measured
+ * growth makes of the coarse run's noise), the maximum over all states and derived quantities, bounds the
+ * error of the finer run, which is the one printed: a text is proven when s2 - e and s2 + e have it both.
+ * Two more checks make an error of the program, rather than chaos, show itself: the difference must be
+ * explained by noise times measured growth, and after every step of both runs the derivative of the series
+ * must be the right-hand side evaluated pointwise. */
+#ifndef CNS_SOLVE_H
+#define CNS_SOLVE_H
+
+#include "cns/decimal.h"
+#include "cns/integrate.h"
+
+/* A column of the table: a state, a derived quantity, or the time. */
+typedef enum cns_column_kind { CNS_COLUMN_TIME, CNS_COLUMN_STATE, CNS_COLUMN_OUTPUT } cns_column_kind;
+typedef struct cns_column {
+    cns_column_kind kind;
+    int index; /* of the state or output */
+} cns_column;
+
+typedef struct cns_goal {
+    cns_places places;
+    long count;      /* 1.. */
+    long max_digits; /* of the printed run */
+    double max_time; /* seconds; 0: no limit */
+} cns_goal;
+
+typedef struct cns_numerics {
+    cns_method method;
+    cns_arithmetic arithmetic;
+    long digits; /* 0 with arithmetic double */
+    long order;  /* 0: auto */
+    bool fixed_step;
+    cns_number step; /* > 0 when fixed_step */
+    bool auto_tolerance;
+    cns_number tolerance; /* > 0 unless auto_tolerance */
+} cns_numerics;
+
+/* How a run is done, resolved: for provenance and messages. */
+typedef struct cns_run_info {
+    long attempt; /* 1.. */
+    long digits;  /* of the printed run; 0: double */
+    mpfr_prec_t prec;
+    int order;
+    long proof_digits; /* of the coarser run; 0: no proof */
+    mpfr_prec_t proof_prec;
+    int proof_order;
+    bool planned;  /* by goal: the following are predictions */
+    double growth; /* log10 of the largest growth of noise expected */
+    double margin; /* digits added for its fluctuation */
+    double steps, seconds;
+} cns_run_info;
+
+typedef struct cns_row {
+    char **text;   /* one per column */
+    long decimals; /* proven; -1: no proof */
+    double growth;
+} cns_row;
+
+typedef struct cns_progress {
+    const cns_run_info *run;
+    double t, end, seconds; /* of this attempt */
+} cns_progress;
+
+/* What a run reports, while it goes on. Any function may be NULL. A sink's failure ends the run. */
+typedef struct cns_sink {
+    void *context;
+    cns_code (*begin)(void *context, const cns_run_info *run, cns_error *err); /* each attempt */
+    cns_code (*row)(void *context, const cns_row *row, cns_error *err);        /* final */
+    void (*progress)(void *context, const cns_progress *progress);
+} cns_sink;
+
+typedef struct cns_problem {
+    const cns_program *program;
+    const double *scales;          /* per state */
+    const cns_number *initial;     /* per state */
+    const cns_number *end, *every; /* rows at multiples of every and at the end */
+    const cns_column *columns;
+    int n_columns;
+    const volatile sig_atomic_t *stop;
+    const cns_sink *sink;
+} cns_problem;
+
+typedef struct cns_result {
+    cns_run_info run;   /* of the last attempt */
+    long steps, events; /* of the printed run */
+    long rows;
+    long decimals; /* the least proven in any row; -1: no proof, or no row */
+    bool complete; /* all rows are there */
+    bool reached;  /* and, of a goal: none has fewer places than asked for */
+    double end;    /* the last row's time */
+    double wall_s;
+} cns_result;
+
+/* CNS_UNREACHED: the table is honest but falls short of the goal (err says how); others as usual. */
+cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *result, cns_error *err);
+cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *numerics, bool prove,
+                            cns_result *result, cns_error *err);
+
+/* What a goal needs, from a preliminary run in double with tangents: see plan.c. */
+cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_error *err);
+
+#endif

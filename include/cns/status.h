@@ -1,0 +1,30 @@
+/* Outcomes and messages.
+ *
+ * A library function that can fail returns a cns_code and leaves one line of text, without a newline,
+ * in the cns_error given to it. Nothing in the library prints or exits; the command line does both.
+ * The codes are the program's exit statuses. */
+#ifndef CNS_STATUS_H
+#define CNS_STATUS_H
+
+typedef enum cns_code {
+    CNS_OK = 0,
+    CNS_UNREACHED = 1, /* the asked decimals or bracket were not reached; the honest result stands */
+    CNS_USAGE = 2,     /* command line or case file */
+    CNS_NUMERIC = 3,   /* singularity, step underflow, range, or an error that the proof found */
+    CNS_IO = 4,        /* input or output */
+    CNS_STOPPED = 128  /* plus the number of the signal */
+} cns_code;
+
+typedef struct cns_error {
+    cns_code code;
+    char text[1024];
+} cns_error;
+
+/* Formats the message into err (which may be NULL) and returns code. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 3, 4)))
+#endif
+cns_code
+cns_fail(cns_error *err, cns_code code, const char *format, ...);
+
+#endif

@@ -1,0 +1,17 @@
+/* Summaries as YAML documents, through libyaml's emitter. */
+#ifndef CNS_SUMMARY_H
+#define CNS_SUMMARY_H
+
+#include <stdio.h>
+
+typedef struct cns_summary cns_summary;
+
+cns_summary *cns_summary_open(FILE *out);
+/* A scalar of the current mapping; numbers as decimal text. */
+void cns_summary_text(cns_summary *s, const char *key, const char *text);
+void cns_summary_long(cns_summary *s, const char *key, long value);
+void cns_summary_seconds(cns_summary *s, const char *key, double value);
+/* Ends the document and frees s; false if anything could not be written. */
+int cns_summary_close(cns_summary *s);
+
+#endif

@@ -1,0 +1,84 @@
+#include "commands.h"
+
+#include <string.h>
+
+#include <gmp.h>
+#include <mpfr.h>
+#include <yaml.h>
+
+#include "cns/case.h"
+#include "cns/version.h"
+#include "console.h"
+#include "core/text.h"
+
+void cns_print_version(FILE *out)
+{
+    /* the libraries that run, not those that were compiled against */
+    fprintf(out, "cns %s (MPFR %s, GMP %s, libyaml %s)\n", CNS_VERSION, mpfr_get_version(), gmp_version,
+            yaml_get_version_string());
+}
+
+static void print_statuses(FILE *out)
+{
+    fputs("\nExit status: 0 done; 1 the asked decimals were not reached (what was is printed);\n"
+          "2 command line or case file; 3 numerical failure; 4 input or output;\n"
+          "128 + n stopped by signal n (141: the reader of the output has gone).\n",
+          out);
+}
+
+static void print_overview(FILE *out)
+{
+    fputs("cns: trajectories of chaotic systems with every printed decimal right\n\nUsage:\n", out);
+    for (int i = 0; i < cns_command_count(); i++) {
+        const cns_command *c = cns_command_at(i);
+        char shown[64];
+        snprintf(shown, sizeof shown, "%s %s", c->name, c->operands);
+        fprintf(out, "  cns %-16s %s\n", shown, c->summary);
+    }
+    fputs("\nOptions of every command:\n", out);
+    cns_options_print(NULL, out);
+    fputs("\n`cns help COMMAND` shows a command's own options, `cns help case` the keys of case files.\n",
+          out);
+    print_statuses(out);
+}
+
+static void print_command(const cns_command *c, FILE *out)
+{
+    fprintf(out, "Usage: cns %s %s\n\n%s\n", c->name, c->operands, c->summary);
+    if (c->details != NULL)
+        fprintf(out, "\n%s", c->details);
+    fputs("\nOptions:\n", out);
+    cns_options_print(c, out);
+    print_statuses(out);
+}
+
+/* `cns help [TOPIC]`, `cns -h`, and `cns COMMAND -h`. */
+int cns_cmd_help(const cns_options *o)
+{
+    const cns_command *c = o->help && o->command != NULL ? o->command : NULL;
+    bool about_case = false;
+    if (c == NULL && o->n_operands > 0) {
+        const char *topic = o->operands[0];
+        c = cns_command_find(topic);
+        about_case = c == NULL && strcmp(topic, "case") == 0;
+        if (c == NULL && !about_case) {
+            const char *nearest = cns_command_nearest(topic);
+            if (nearest != NULL)
+                return cns_complain(CNS_USAGE, "no help on '%s'; did you mean '%s'?", cns_quote(topic).text,
+                                    nearest);
+            return cns_complain(CNS_USAGE, "no help on '%s'; `cns help` lists the commands",
+                                cns_quote(topic).text);
+        }
+    }
+    cns_page page;
+    cns_code code = cns_page_open(&page);
+    if (code != CNS_OK)
+        return (int)code;
+    if (about_case)
+        cns_case_print_keys(page.file);
+    else if (c != NULL)
+        print_command(c, page.file);
+    else
+        print_overview(page.file);
+    return cns_page_print(&page);
+}

@@ -1,0 +1,66 @@
+#include "commands.h"
+
+#include "cns/model.h"
+#include "console.h"
+#include "core/text.h"
+
+static void print_model(const cns_model *m, FILE *out)
+{
+    fprintf(out, "%s: %s\n  from %s\n", m->name, m->title, m->source);
+    fputs("  states\n", out);
+    for (int i = 0; i < m->n_states; i++)
+        fprintf(out, "    %-8s %s (scale %g)\n", m->states[i].name, m->states[i].meaning, m->states[i].scale);
+    if (m->n_parameters > 0)
+        fputs("  parameters\n", out);
+    for (int i = 0; i < m->n_parameters; i++) {
+        const cns_model_parameter *p = &m->parameters[i];
+        fprintf(out, "    %-8s %s (", p->name, p->meaning);
+        if (p->standard != NULL)
+            fprintf(out, "default %s", p->standard);
+        else
+            fputs("no default", out);
+        if (p->minimum != NULL)
+            fprintf(out, "; > %s", p->minimum);
+        fputs(")\n", out);
+    }
+    if (m->n_outputs > 0)
+        fputs("  derived quantities\n", out);
+    for (int i = 0; i < m->n_outputs; i++)
+        fprintf(out, "    %-8s %s\n", m->outputs[i].name, m->outputs[i].meaning);
+}
+
+static const char *model_name(int i, const void *context)
+{
+    (void)context;
+    return cns_model_at(i)->name;
+}
+
+int cns_cmd_models(const cns_options *o)
+{
+    const cns_model *only = NULL;
+    if (o->n_operands > 0) {
+        const char *name = o->operands[0];
+        only = cns_model_find(name);
+        if (only == NULL) {
+            const char *nearest = cns_text_nearest(name, cns_model_count(), model_name, NULL);
+            if (nearest != NULL)
+                return cns_complain(CNS_USAGE, "unknown model '%s'; did you mean '%s'?", cns_quote(name).text,
+                                    nearest);
+            return cns_complain(CNS_USAGE, "unknown model '%s'; `cns models` lists the models",
+                                cns_quote(name).text);
+        }
+    }
+    cns_page page;
+    cns_code code = cns_page_open(&page);
+    if (code != CNS_OK)
+        return (int)code;
+    for (int i = 0; i < cns_model_count(); i++) {
+        const cns_model *m = cns_model_at(i);
+        if (only != NULL && m != only)
+            continue;
+        if (only == NULL && i > 0)
+            fputc('\n', page.file);
+        print_model(m, page.file);
+    }
+    return cns_page_print(&page);
+}

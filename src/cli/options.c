@@ -1,0 +1,335 @@
+#include "options.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "core/memory.h"
+#include "core/text.h"
+
+/* clang-format off */
+static const cns_command commands[] = {
+    {"run", cns_cmd_run, "CASE", 1, 1, "compute a trajectory and print it as a table",
+     "CASE is a case file, or - for standard input; `cns help case` lists its keys.\n"
+     "With `goal` the program finds digits, order and steps by itself and proves every decimal\n"
+     "it prints with a second, finer run. With `numerics` it computes as told; --prove adds the\n"
+     "second run.\n"},
+    {"check", cns_cmd_check, "CASE", 1, 1, "check a case file and print it with all defaults filled in",
+     "All faults are reported, one per line, with line and column. What is printed is a case\n"
+     "file again (sections of studies left out), with the overrides of --set applied.\n"
+     "With -q nothing is printed: the exit status tells.\n"},
+    {"models", cns_cmd_models, "[MODEL]", 0, 1, "list the models: states, parameters, derived quantities",
+     NULL},
+    {"help", cns_cmd_help, "[COMMAND]", 0, 1, "describe a command, or the keys of case files (`help case`)",
+     NULL},
+};
+/* clang-format on */
+
+enum { N_COMMANDS = sizeof commands / sizeof *commands };
+
+typedef enum option_id {
+    O_OUTPUT,
+    O_YAML,
+    O_SET,
+    O_PROVE,
+    O_THREADS,
+    O_QUIET,
+    O_VERBOSE,
+    O_VERSION,
+    O_HELP
+} option_id;
+
+typedef struct option_row {
+    option_id id;
+    const char *name; /* without the -- */
+    char letter;      /* 0: none */
+    const char *argument;
+    const char *commands; /* names with spaces around; NULL: all, and none */
+    const char *meaning;
+} option_row;
+
+/* clang-format off */
+static const option_row options[] = {
+    {O_OUTPUT,  "output",  'o', "FILE", " run ", "write the table to FILE, written aside and renamed"},
+    {O_YAML,    "yaml",     0,  NULL,   " run ", "a summary as YAML; the table only with -o"},
+    {O_SET,     "set",      0,  "K=V",  " run check ", "override a value: --set numerics.digits=80 (repeatable)"},
+    {O_PROVE,   "prove",    0,  NULL,   " run ", "prove a run by hand with a second, finer one"},
+    {O_THREADS, "threads",  0,  "N",    " run ", "at most N threads; the results do not depend on it"},
+    {O_QUIET,   "quiet",   'q', NULL,   " run check ", "no progress and no notes; errors only"},
+    {O_VERBOSE, "verbose", 'v', NULL,   " run ", "say more about what is done"},
+    {O_VERSION, "version",  0,  NULL,   NULL,    "print the version and those of the libraries"},
+    {O_HELP,    "help",    'h', NULL,   NULL,    "describe the command"},
+};
+/* clang-format on */
+
+enum { N_OPTIONS = sizeof options / sizeof *options };
+
+int cns_command_count(void)
+{
+    return N_COMMANDS;
+}
+
+const cns_command *cns_command_at(int i)
+{
+    return &commands[i];
+}
+
+const cns_command *cns_command_find(const char *name)
+{
+    for (int i = 0; i < N_COMMANDS; i++)
+        if (strcmp(commands[i].name, name) == 0)
+            return &commands[i];
+    return NULL;
+}
+
+static const char *command_name(int i, const void *context)
+{
+    (void)context;
+    return commands[i].name;
+}
+
+const char *cns_command_nearest(const char *name)
+{
+    return cns_text_nearest(name, N_COMMANDS, command_name, NULL);
+}
+
+static const char *option_name(int i, const void *context)
+{
+    (void)context;
+    return options[i].name;
+}
+
+static bool applies(const option_row *row, const cns_command *command)
+{
+    if (row->commands == NULL)
+        return true;
+    if (command == NULL)
+        return false;
+    size_t n = strlen(command->name);
+    for (const char *at = row->commands; (at = strstr(at, command->name)) != NULL; at += n)
+        if (at[-1] == ' ' && at[n] == ' ')
+            return true;
+    return false;
+}
+
+void cns_options_print(const cns_command *command, FILE *out)
+{
+    for (int i = 0; i < N_OPTIONS; i++) {
+        const option_row *row = &options[i];
+        if (!applies(row, command))
+            continue;
+        char shown[64];
+        snprintf(shown, sizeof shown, "--%s%s%s", row->name, row->argument != NULL ? " " : "",
+                 row->argument != NULL ? row->argument : "");
+        if (row->letter != 0)
+            fprintf(out, "  -%c, %-16s %s\n", row->letter, shown, row->meaning);
+        else
+            fprintf(out, "      %-16s %s\n", shown, row->meaning);
+    }
+}
+
+/* Parsing. */
+
+typedef struct parser {
+    cns_options *o;
+    cns_error *err;
+    int argc, at; /* at: the argument to read next */
+    char *const *argv;
+    const char **sets, **operands;
+    bool seen[N_OPTIONS];
+} parser;
+
+static cns_code parse_threads(parser *p, const char *text)
+{
+    char *end;
+    long n = text[0] >= '0' && text[0] <= '9' ? strtol(text, &end, 10) : 0;
+    if (n < 1 || n > CNS_MAX_THREADS || *end != '\0')
+        return cns_fail(p->err, CNS_USAGE, "--threads takes an integer from 1 to %d, not '%s'",
+                        CNS_MAX_THREADS, cns_quote(text).text);
+    p->o->threads = (int)n;
+    return CNS_OK;
+}
+
+static cns_code take(parser *p, const option_row *row, const char *value)
+{
+    cns_options *o = p->o;
+    bool *seen = &p->seen[row - options];
+    if (*seen && row->argument != NULL && row->id != O_SET)
+        return cns_fail(p->err, CNS_USAGE, "--%s is given twice", row->name);
+    *seen = true;
+    switch (row->id) {
+    case O_OUTPUT:
+        if (value[0] == '\0')
+            return cns_fail(p->err, CNS_USAGE, "--output needs the name of a file");
+        o->output = value;
+        break;
+    case O_YAML:
+        o->yaml = true;
+        break;
+    case O_SET:
+        p->sets[o->n_sets++] = value;
+        break;
+    case O_PROVE:
+        o->prove = true;
+        break;
+    case O_THREADS:
+        return parse_threads(p, value);
+    case O_QUIET:
+        o->quiet = true;
+        break;
+    case O_VERBOSE:
+        o->verbose++;
+        break;
+    case O_VERSION:
+        o->version = true;
+        break;
+    case O_HELP:
+        o->help = true;
+        break;
+    }
+    return CNS_OK;
+}
+
+/* The value of an option: what is attached to it, or the next argument. */
+static const char *value_of(parser *p, const char *attached)
+{
+    if (attached != NULL)
+        return attached;
+    return p->at < p->argc ? p->argv[p->at++] : NULL;
+}
+
+static cns_code needs_value(parser *p, const option_row *row)
+{
+    return cns_fail(p->err, CNS_USAGE, "--%s needs a value: --%s %s", row->name, row->name, row->argument);
+}
+
+static cns_code parse_long(parser *p, const char *text)
+{
+    const char *equals = strchr(text, '=');
+    size_t n = equals != NULL ? (size_t)(equals - text) : strlen(text);
+    for (int i = 0; i < N_OPTIONS; i++) {
+        const option_row *row = &options[i];
+        if (strlen(row->name) != n || strncmp(row->name, text, n) != 0)
+            continue;
+        if (row->argument == NULL && equals != NULL)
+            return cns_fail(p->err, CNS_USAGE, "--%s takes no value", row->name);
+        if (row->argument == NULL)
+            return take(p, row, NULL);
+        const char *value = value_of(p, equals != NULL ? equals + 1 : NULL);
+        return value != NULL ? take(p, row, value) : needs_value(p, row);
+    }
+    char *name = cns_xcopy_n(text, n);
+    const char *nearest = cns_text_nearest(name, N_OPTIONS, option_name, NULL);
+    cns_code code = nearest != NULL
+                        ? cns_fail(p->err, CNS_USAGE, "unknown option --%s; did you mean --%s?",
+                                   cns_quote(name).text, nearest)
+                        : cns_fail(p->err, CNS_USAGE, "unknown option --%s; `cns help` lists the options",
+                                   cns_quote(name).text);
+    free(name);
+    return code;
+}
+
+/* -q, -qv, -o FILE, -oFILE */
+static cns_code parse_letters(parser *p, const char *letters)
+{
+    for (; *letters != '\0'; letters++) {
+        const option_row *row = NULL;
+        for (int i = 0; i < N_OPTIONS; i++)
+            if (options[i].letter == *letters)
+                row = &options[i];
+        if (row == NULL) {
+            char *name = cns_xcopy(letters);
+            cns_code code = cns_fail(p->err, CNS_USAGE, "unknown option -%s; `cns help` lists the options",
+                                     cns_quote(name).text);
+            free(name);
+            return code;
+        }
+        if (row->argument != NULL) {
+            const char *value = value_of(p, letters[1] != '\0' ? letters + 1 : NULL);
+            return value != NULL ? take(p, row, value) : needs_value(p, row);
+        }
+        cns_code code = take(p, row, NULL);
+        if (code != CNS_OK)
+            return code;
+    }
+    return CNS_OK;
+}
+
+static cns_code parse_word(parser *p, const char *word)
+{
+    cns_options *o = p->o;
+    if (o->command != NULL) {
+        p->operands[o->n_operands++] = word;
+        return CNS_OK;
+    }
+    o->command = cns_command_find(word);
+    if (o->command != NULL)
+        return CNS_OK;
+    size_t n = strlen(word);
+    const char *nearest = cns_command_nearest(word);
+    if (nearest != NULL)
+        return cns_fail(p->err, CNS_USAGE, "unknown command '%s'; did you mean '%s'?", cns_quote(word).text,
+                        nearest);
+    if ((n > 5 && strcmp(word + n - 5, ".yaml") == 0) || (n > 4 && strcmp(word + n - 4, ".yml") == 0))
+        return cns_fail(p->err, CNS_USAGE, "a command is missing before '%s', such as `cns run`",
+                        cns_quote(word).text);
+    return cns_fail(p->err, CNS_USAGE, "unknown command '%s'; `cns help` lists the commands",
+                    cns_quote(word).text);
+}
+
+static cns_code check_use(parser *p)
+{
+    const cns_options *o = p->o;
+    const cns_command *c = o->command;
+    if (c == NULL)
+        return cns_fail(p->err, CNS_USAGE, "a command is missing; `cns help` lists the commands");
+    for (int i = 0; i < N_OPTIONS; i++)
+        if (p->seen[i] && !applies(&options[i], c))
+            return cns_fail(p->err, CNS_USAGE, "--%s does not go with `cns %s`", options[i].name, c->name);
+    if (o->n_operands < c->least)
+        return cns_fail(p->err, CNS_USAGE, "%s is missing: cns %s %s", c->operands, c->name, c->operands);
+    if (o->n_operands > c->most)
+        return cns_fail(p->err, CNS_USAGE, "one argument too many, '%s': cns %s %s",
+                        cns_quote(o->operands[c->most]).text, c->name, c->operands);
+    if (o->quiet && o->verbose > 0)
+        return cns_fail(p->err, CNS_USAGE, "--quiet and --verbose contradict each other");
+    return CNS_OK;
+}
+
+cns_code cns_options_parse(cns_options *o, int argc, char *const *argv, cns_error *err)
+{
+    *o = (cns_options){0};
+    size_t room = argc > 0 ? (size_t)argc : 1;
+    o->list = cns_xalloc(2 * room, sizeof *o->list);
+    parser p = {.o = o, .err = err, .argc = argc, .at = 1, .argv = argv};
+    p.sets = o->list;
+    p.operands = o->list + room;
+    o->sets = p.sets;
+    o->operands = p.operands;
+    bool only_words = false;
+    while (p.at < argc) {
+        const char *word = argv[p.at++];
+        cns_code code;
+        if (!only_words && strcmp(word, "--") == 0) {
+            only_words = true;
+            continue;
+        }
+        if (!only_words && word[0] == '-' && word[1] == '-')
+            code = parse_long(&p, word + 2);
+        else if (!only_words && word[0] == '-' && word[1] != '\0')
+            code = parse_letters(&p, word + 1);
+        else
+            code = parse_word(&p, word);
+        if (code != CNS_OK)
+            return code;
+    }
+    if (o->help || o->version)
+        return CNS_OK;
+    return check_use(&p);
+}
+
+void cns_options_clear(cns_options *o)
+{
+    free(o->list);
+    *o = (cns_options){0};
+}

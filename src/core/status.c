@@ -1,0 +1,17 @@
+#include "cns/status.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+cns_code cns_fail(cns_error *err, cns_code code, const char *format, ...)
+{
+    if (err != NULL) {
+        va_list args;
+        va_start(args, format);
+        err->code = code;
+        if (vsnprintf(err->text, sizeof err->text, format, args) < 0)
+            err->text[0] = '\0';
+        va_end(args);
+    }
+    return code;
+}

@@ -1,0 +1,33 @@
+/* Helpers for messages. */
+#ifndef CNS_CORE_TEXT_H
+#define CNS_CORE_TEXT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#define CNS_QUOTE 64 /* bytes enough for any quotation */
+
+typedef struct cns_quotation {
+    char text[CNS_QUOTE];
+} cns_quotation;
+
+/* User text for a message: control characters and stray bytes as '?', cut with "..." when long.
+ * Use as cns_quote(s).text in the same full expression. */
+cns_quotation cns_quote(const char *s);
+
+/* A new copy of any length, free of control characters and stray bytes: a name fit for one line. */
+char *cns_text_printable(const char *s);
+
+/* Edits (insert, delete, replace, swap of neighbours), letters compared without case. Texts longer
+ * than 63 bytes count as entirely different. */
+int cns_text_distance(const char *a, const char *b);
+
+/* The nearest of n names when it is near enough to be a likely meaning, else NULL. The first of equally
+ * near ones wins. name(i, context) gives the names. */
+const char *cns_text_nearest(const char *s, int n, const char *(*name)(int i, const void *context),
+                             const void *context);
+
+/* Length of the valid UTF-8 sequence at s (1..4), 0 if it is not one. n > 0 bytes may be read. */
+int cns_utf8_length(const unsigned char *s, size_t n);
+
+#endif

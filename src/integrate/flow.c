@@ -1,0 +1,262 @@
+/* The time loop's one step, for every method: time, grid of a fixed step, and the check of the derivative. */
+#include <stdlib.h>
+
+#include "cns/integrate.h"
+#include "method.h"
+#include "num/logs.h"
+
+struct cns_flow {
+    cns_flow_spec spec;
+    const cns_method_ops *ops;
+    cns_stepper *stepper;
+    int n;
+    mpfr_t t0, t1; /* more bits than the states: a step may be as short as the last digit of a state */
+    mpfr_t tau;
+    mpfr_t *x0, *x1;
+    mpq_t grid; /* fixed step: steps so far, times the step, exactly */
+    mpq_t step;
+    cns_step last;
+    long steps, events;
+    cns_jet *check; /* pointwise right-hand side, its constants converted anew at more bits */
+    mpfr_t *derivative;
+    mpfr_t tolerance, difference;
+};
+
+enum { GUARD_BITS = 16, TIME_BITS = 128, CHECK_BITS = 96 };
+
+mpfr_prec_t cns_digits_to_bits(long digits)
+{
+    return (mpfr_prec_t)((double)digits * CNS_LOG2_10) + 1 + GUARD_BITS;
+}
+
+int cns_order_for(double tolerance_log2)
+{
+    return (int)(1.5 - tolerance_log2 * 0.5 * 0.69314718055994530942) + 1;
+}
+
+const cns_arith_ops *cns_flow_arith(const cns_flow_spec *spec)
+{
+    if (spec->arithmetic == CNS_ARITH_DOUBLE)
+        return spec->portable ? &cns_arith_double : &cns_arith_libm;
+    return &cns_arith_mpfr;
+}
+
+mpfr_t *cns_vector_new(int n, mpfr_prec_t prec)
+{
+    mpfr_t *v = malloc(((size_t)n + 1) * sizeof *v);
+    for (int i = 0; v && i < n; i++) {
+        mpfr_init2(v[i], prec);
+        mpfr_set_zero(v[i], 1);
+    }
+    return v;
+}
+
+void cns_vector_free(mpfr_t *v, int n)
+{
+    for (int i = 0; v && i < n; i++)
+        mpfr_clear(v[i]);
+    free(v);
+}
+
+cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
+{
+    cns_flow *f = calloc(1, sizeof *f);
+    if (!f) {
+        cns_fail(err, CNS_NUMERIC, "out of memory");
+        return NULL;
+    }
+    f->spec = *spec;
+    if (spec->arithmetic == CNS_ARITH_DOUBLE)
+        f->spec.prec = 53;
+    f->n = cns_program_states(spec->program);
+    f->ops = spec->method == CNS_METHOD_RK4 ? &cns_method_rk4 : &cns_method_taylor;
+    const mpfr_prec_t prec = f->spec.prec, time_prec = 2 * prec + TIME_BITS;
+    mpfr_inits2(time_prec, f->t0, f->t1, f->tau, f->last.h, (mpfr_ptr)0);
+    mpfr_inits2(prec + CHECK_BITS, f->tolerance, f->difference, (mpfr_ptr)0);
+    mpq_inits(f->grid, f->step, (mpq_ptr)0);
+    f->x0 = cns_vector_new(f->n, prec);
+    f->x1 = cns_vector_new(f->n, prec);
+    f->derivative = cns_vector_new(f->n, prec + CHECK_BITS);
+    if (!f->x0 || !f->x1 || !f->derivative) {
+        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_flow_free(f);
+        return NULL;
+    }
+    if (spec->step)
+        mpq_set(f->step, spec->step->ratio);
+    f->stepper = f->ops->create(&f->spec, err);
+    if (f->stepper && spec->verify && f->ops->derivative) {
+        cns_jet_spec check = {
+            .program = spec->program, .ops = &cns_arith_mpfr, .order = 1, .prec = prec + CHECK_BITS};
+        f->check = cns_jet_new(&check, err);
+    }
+    if (!f->stepper || (spec->verify && f->ops->derivative && !f->check)) {
+        cns_flow_free(f);
+        return NULL;
+    }
+    return f;
+}
+
+void cns_flow_free(cns_flow *f)
+{
+    if (!f)
+        return;
+    if (f->stepper)
+        f->ops->destroy(f->stepper);
+    cns_jet_free(f->check);
+    cns_vector_free(f->x0, f->n);
+    cns_vector_free(f->x1, f->n);
+    cns_vector_free(f->derivative, f->n);
+    mpfr_clears(f->t0, f->t1, f->tau, f->last.h, f->tolerance, f->difference, (mpfr_ptr)0);
+    mpq_clears(f->grid, f->step, (mpq_ptr)0);
+    free(f);
+}
+
+void cns_flow_start(cns_flow *f, const cns_number *initial)
+{
+    for (int i = 0; i < f->n; i++) {
+        cns_number_get_mpfr(f->x1[i], &initial[i]);
+        mpfr_set(f->x0[i], f->x1[i], MPFR_RNDN);
+    }
+    mpfr_set_zero(f->t0, 1);
+    mpfr_set_zero(f->t1, 1);
+    mpq_set_ui(f->grid, 0, 1);
+    f->steps = f->events = 0;
+    f->last.landed = false;
+    f->ops->start(f->stepper);
+}
+
+/* The derivative of the dense output at the end of the step against f evaluated there with true abs() and
+ * sqrt(), in more bits and with constants of its own: a mismatch is an error of branch or of constants. */
+static cns_code verify(cns_flow *f, cns_error *err)
+{
+    cns_error singular;
+    mpfr_set(f->tau, f->last.h, MPFR_RNDN);
+    f->ops->derivative(f->stepper, f->tau, f->derivative, f->tolerance);
+    cns_jet_begin(f->check, 1);
+    for (int i = 0; i < f->n; i++)
+        cns_jet_set_state(f->check, i, f->x1[i]);
+    if (cns_jet_expand(f->check, 1, &singular))
+        return CNS_OK; /* f is not defined there; the next step will say so, if that is still true */
+    for (int i = 0; i < f->n; i++) {
+        cns_jet_coefficient(f->check, f->difference, i, 1);
+        mpfr_sub(f->difference, f->difference, f->derivative[i], MPFR_RNDN);
+        if (mpfr_cmpabs(f->difference, f->tolerance) > 0)
+            return cns_fail(
+                err, CNS_NUMERIC,
+                "t = %.12g: the derivative of state %d differs from the right-hand side by %.2e, more "
+                "than the %.2e that rounding and truncation allow: a wrong branch of abs() or sqrt(), "
+                "or a wrong constant",
+                mpfr_get_d(f->t1, MPFR_RNDN), i, mpfr_get_d(f->difference, MPFR_RNDN),
+                mpfr_get_d(f->tolerance, MPFR_RNDN));
+    }
+    return CNS_OK;
+}
+
+cns_code cns_flow_step(cns_flow *f, cns_error *err)
+{
+    cns_error inner;
+    mpq_t next;
+    if (f->spec.stop && *f->spec.stop)
+        return cns_fail(err, CNS_STOPPED, "stopped");
+    mpfr_t *swap = f->x0;
+    f->x0 = f->x1;
+    f->x1 = swap;
+    mpfr_set(f->t0, f->t1, MPFR_RNDN);
+    f->last.limit = NULL;
+    if (f->spec.step) { /* to the next point of the grid, from wherever a kink left us */
+        mpq_init(next);
+        mpq_add(next, f->grid, f->step);
+        mpfr_set_q(f->tau, next, MPFR_RNDN);
+        mpfr_sub(f->tau, f->tau, f->t0, MPFR_RNDN);
+        f->last.limit = &f->tau;
+    }
+    f->last.landed = false;
+    cns_code code = f->ops->step(f->stepper, &f->last, f->x0, f->x1, &inner);
+    if (!code) {
+        if (f->spec.step && !f->last.landed) {
+            mpq_set(f->grid, next);
+            mpfr_set_q(f->t1, f->grid, MPFR_RNDN);
+        } else {
+            mpfr_add(f->t1, f->t0, f->last.h, MPFR_RNDN);
+        }
+    }
+    if (f->spec.step)
+        mpq_clear(next);
+    double t = mpfr_get_d(f->t0, MPFR_RNDN);
+    if (code)
+        return cns_fail(err, code, "t = %.12g: %s", t, inner.text);
+    if (mpfr_lessequal_p(f->t1, f->t0))
+        return cns_fail(err, CNS_NUMERIC, "t = %.12g: the step underflows: a singularity", t);
+    for (int i = 0; i < f->n; i++)
+        if (!mpfr_number_p(f->x1[i]))
+            return cns_fail(err, CNS_NUMERIC, "t = %.12g: state %d is not a finite number after the step", t,
+                            i);
+    f->steps++;
+    f->events += f->last.landed;
+    return f->check ? verify(f, err) : CNS_OK;
+}
+
+int cns_flow_states(const cns_flow *f)
+{
+    return f->n;
+}
+
+mpfr_prec_t cns_flow_prec(const cns_flow *f)
+{
+    return f->spec.prec;
+}
+
+mpfr_srcptr cns_flow_begin(const cns_flow *f)
+{
+    return f->t0;
+}
+
+mpfr_srcptr cns_flow_end(const cns_flow *f)
+{
+    return f->t1;
+}
+
+const mpfr_t *cns_flow_state(const cns_flow *f)
+{
+    return (const mpfr_t *)f->x1;
+}
+
+const mpfr_t *cns_flow_begin_state(const cns_flow *f)
+{
+    return (const mpfr_t *)f->x0;
+}
+
+bool cns_flow_landed(const cns_flow *f)
+{
+    return f->last.landed;
+}
+
+double cns_flow_noise_log2(const cns_flow *f)
+{
+    return f->last.noise_log2;
+}
+
+long cns_flow_steps(const cns_flow *f)
+{
+    return f->steps;
+}
+
+long cns_flow_events(const cns_flow *f)
+{
+    return f->events;
+}
+
+void cns_flow_eval(cns_flow *f, const mpq_t t, mpfr_t *x)
+{
+    if (f->steps == 0) {
+        for (int i = 0; i < f->n; i++)
+            mpfr_set(x[i], f->x1[i], MPFR_RNDN);
+        return;
+    }
+    mpfr_set_q(f->tau, t, MPFR_RNDN);
+    mpfr_sub(f->tau, f->tau, f->t0, MPFR_RNDN);
+    if (mpfr_sgn(f->tau) < 0)
+        mpfr_set_zero(f->tau, 1);
+    f->ops->eval(f->stepper, f->tau, x);
+}

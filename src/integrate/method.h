@@ -1,0 +1,38 @@
+/* What a method must do: one step, and its dense output. Private to src/integrate. */
+#ifndef CNS_INTEGRATE_METHOD_H
+#define CNS_INTEGRATE_METHOD_H
+
+#include "cns/integrate.h"
+#include "cns/jet.h"
+
+typedef struct cns_step {
+    mpfr_t h;            /* out: the length of the step, at the precision of time; in: see limit */
+    const mpfr_t *limit; /* fixed step: the step to take unless a kink comes first; NULL: choose */
+    bool landed;         /* out */
+    double noise_log2;   /* out: log2 of the step's own error, rounding or truncation, in scales */
+} cns_step;
+
+typedef struct cns_stepper cns_stepper;
+
+typedef struct cns_method_ops {
+    const char *name;
+    cns_stepper *(*create)(const cns_flow_spec *spec, cns_error *err);
+    void (*destroy)(cns_stepper *s);
+    void (*start)(cns_stepper *s);
+    /* From x to y, both of one number per state at the flow's precision. */
+    cns_code (*step)(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_error *err);
+    /* States at tau after the beginning of the last step, 0 <= tau <= h. */
+    void (*eval)(cns_stepper *s, const mpfr_t tau, mpfr_t *x);
+    /* Derivatives of the states at tau, from the dense output; NULL if the method cannot tell. *tolerance is
+     * set to a bound on their error from rounding and truncation. */
+    void (*derivative)(cns_stepper *s, const mpfr_t tau, mpfr_t *dx, mpfr_t tolerance);
+} cns_method_ops;
+
+extern const cns_method_ops cns_method_taylor;
+extern const cns_method_ops cns_method_rk4;
+
+const cns_arith_ops *cns_flow_arith(const cns_flow_spec *spec);
+mpfr_t *cns_vector_new(int n, mpfr_prec_t prec); /* zeros; aborts never, NULL: out of memory */
+void cns_vector_free(mpfr_t *v, int n);
+
+#endif

@@ -1,0 +1,180 @@
+/* How many digits a goal needs: from the growth of noise along a preliminary run in double precision with
+ * tangents, and a margin for what that run cannot know. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "cns/jet.h"
+#include "num/logs.h"
+#include "solve_inside.h"
+
+enum {
+    DOUBLE_DIGITS = 16,
+    DOUBLE_ORDER = 22,
+    SPARE_DIGITS = 5, /* noise constants of a step, and few straddles */
+    WINDOWS = 64
+};
+
+bool cns_row_time(const cns_problem *p, unsigned long row, mpq_t time)
+{
+    mpz_t count;
+    mpz_init_set_ui(count, row);
+    mpq_set_z(time, count);
+    mpz_clear(count);
+    mpq_mul(time, time, p->every->ratio);
+    if (mpq_cmp(time, p->end->ratio) < 0)
+        return true;
+    /* The end is a row, once: it is this one if the row before was not at the end yet. */
+    mpq_sub(time, time, p->every->ratio);
+    bool first = row == 0 || mpq_cmp(time, p->end->ratio) < 0;
+    mpq_set(time, p->end->ratio);
+    return first;
+}
+
+bool cns_wants_outputs(const cns_problem *p)
+{
+    for (int i = 0; i < p->n_columns; i++)
+        if (p->columns[i].kind == CNS_COLUMN_OUTPUT)
+            return true;
+    return false;
+}
+
+cns_flow_spec cns_taylor_spec(const cns_problem *p, long digits)
+{
+    double tolerance = -(double)digits * CNS_LOG2_10;
+    return (cns_flow_spec){.program = p->program,
+                           .scales = p->scales,
+                           .method = CNS_METHOD_TAYLOR,
+                           .arithmetic = CNS_ARITH_MPFR,
+                           .prec = cns_digits_to_bits(digits),
+                           .order = cns_order_for(tolerance),
+                           .tolerance_log2 = tolerance,
+                           .stop = p->stop};
+}
+
+/* The text of column c of a sample needs so many decimals beyond the goal's count. */
+static double extra_places(const cns_problem *p, const cns_goal *goal, const cns_sample *s)
+{
+    double most = 0;
+    if (goal->places == CNS_PLACES_DECIMALS)
+        return 0;
+    for (int i = 0; i < p->n_columns; i++) {
+        const cns_column *c = &p->columns[i];
+        if (c->kind == CNS_COLUMN_TIME)
+            continue;
+        mpfr_srcptr x = c->kind == CNS_COLUMN_STATE ? s->state[c->index] : s->output[c->index];
+        long e;
+        if (!mpfr_regular_p(x))
+            continue;
+        double m = fabs(mpfr_get_d_2exp(&e, x, MPFR_RNDN));
+        most = fmax(most, -cns_log10_2exp(m, e));
+    }
+    return most;
+}
+
+/* Seconds for one step with these numerics, measured on one expansion at the start. */
+static double seconds_per_step(const cns_problem *p, const cns_flow_spec *spec)
+{
+    cns_error ignored;
+    cns_flow *f = cns_flow_new(spec, &ignored);
+    double seconds = 0;
+    if (f) {
+        cns_flow_start(f, p->initial);
+        double from = cns_seconds();
+        if (!cns_flow_step(f, &ignored))
+            seconds = cns_seconds() - from;
+        cns_flow_free(f);
+    }
+    return seconds;
+}
+
+static double step_ratio(double tolerance_log2, int order)
+{
+    long e;
+    double m = cns_exp2_2exp((tolerance_log2 - 1) / order, &e);
+    return ldexp(m, (int)e);
+}
+
+cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_error *err)
+{
+    cns_trajectory_spec spec = {.flow = cns_taylor_spec(p, DOUBLE_DIGITS),
+                                .initial = p->initial,
+                                .outputs = cns_wants_outputs(p) && goal->places == CNS_PLACES_SIGNIFICANT,
+                                .unit_noise = -1e-9}; /* one unit per step */
+    spec.flow.arithmetic = CNS_ARITH_DOUBLE;
+    spec.flow.portable = true;
+    spec.flow.order = DOUBLE_ORDER;
+    spec.flow.tolerance_log2 = -54;
+    *plan = (cns_run_info){.attempt = 1, .planned = true};
+    if (p->stop && *p->stop)
+        return cns_fail(err, CNS_STOPPED, "stopped");
+
+    cns_trajectory *t = cns_trajectory_new(&spec, err);
+    cns_sample s = {0};
+    mpq_t time;
+    mpq_init(time);
+    if (!t || !cns_sample_init(&s, p->program, 53)) {
+        cns_trajectory_free(t);
+        cns_sample_clear(&s);
+        mpq_clear(time);
+        return t ? cns_fail(err, CNS_NUMERIC, "out of memory") : err->code;
+    }
+
+    /* Past the time at which double precision is used up, the run follows another trajectory of the same
+     * kind: growth there is known in the mean, and fluctuates about it like a random walk whose variance
+     * per unit of time is that of the increments seen. */
+    cns_error failure = {0};
+    double end = cns_number_get_d(p->end), need = 0, growth = 0, trusted = end;
+    double window = end / WINDOWS, window_start = 0, at_start = 0, sum = 0, sum2 = 0;
+    int windows = 0;
+    cns_code code = CNS_OK;
+    for (unsigned long row = 0; !code && cns_row_time(p, row, time); row++) {
+        code = cns_trajectory_at(t, time, &s, &failure);
+        if (code)
+            break;
+        double now = mpq_get_d(time), g = s.error_log2 > 0 ? s.error_log2 * CNS_LOG10_2 : 0;
+        if (now - window_start >= window) {
+            double rate = (g - at_start) / (now - window_start);
+            sum += rate * (now - window_start);
+            sum2 += (g - at_start) * (g - at_start) / (now - window_start);
+            windows++;
+            window_start = now;
+            at_start = g;
+        }
+        if (trusted >= end && g > DOUBLE_DIGITS - 3)
+            trusted = now;
+        growth = fmax(growth, g);
+        need = fmax(need, (double)goal->count + extra_places(p, goal, &s) + g);
+    }
+    if (code == CNS_STOPPED) {
+        *err = failure;
+    } else {
+        /* A preliminary run that failed tells what it could; the run itself will tell why. */
+        code = CNS_OK;
+        need = fmax(need, (double)goal->count);
+        double mean = end > 0 ? sum / end : 0;
+        double variance = windows > 1 ? fmax(0, (sum2 - mean * sum) / windows) : 0;
+        double untrusted = fmax(0, end - trusted);
+        plan->growth = growth;
+        plan->margin = 3.5 * sqrt(variance * untrusted);
+        long digits = (long)ceil(need + plan->margin) + SPARE_DIGITS + 2;
+        if (digits < 10)
+            digits = 10;
+        plan->proof_digits = digits;
+        plan->digits = digits + CNS_PROOF_DIGITS;
+        cns_flow_spec fine = cns_taylor_spec(p, plan->digits),
+                      coarse = cns_taylor_spec(p, plan->proof_digits);
+        plan->prec = fine.prec;
+        plan->order = fine.order;
+        plan->proof_prec = coarse.prec;
+        plan->proof_order = coarse.order;
+        double steps = (double)cns_flow_steps(cns_trajectory_flow(t)) * step_ratio(-54, DOUBLE_ORDER);
+        plan->steps = steps / step_ratio(fine.tolerance_log2, fine.order);
+        plan->seconds =
+            plan->steps * seconds_per_step(p, &fine) +
+            steps / step_ratio(coarse.tolerance_log2, coarse.order) * seconds_per_step(p, &coarse);
+    }
+    cns_trajectory_free(t);
+    cns_sample_clear(&s);
+    mpq_clear(time);
+    return code;
+}

@@ -1,0 +1,191 @@
+/* The classical Runge-Kutta method of order 4, in any arithmetic, with cubic Hermite interpolation. It steps
+ * over kinks without noticing, as in Xu, Li, Li, Liao, section 2.2: that is what it is here for. */
+#include <stdlib.h>
+
+#include "method.h"
+
+/* Registers: n each of the state and the weighted sum of slopes; then three constants. */
+enum { STATE, SUM, BLOCKS };
+enum { HALF_H, H, SIXTH_H, CONSTANTS };
+
+struct cns_stepper {
+    cns_flow_spec spec;
+    int n;
+    cns_jet *jet;
+    mpfr_t h, a, b;          /* the step; scratch */
+    mpfr_t *x, *y, *f0, *f1; /* both ends of the last step, and the slopes there */
+    bool have_f1;
+};
+
+static void destroy(cns_stepper *s)
+{
+    if (!s)
+        return;
+    cns_jet_free(s->jet);
+    cns_vector_free(s->x, s->n);
+    cns_vector_free(s->y, s->n);
+    cns_vector_free(s->f0, s->n);
+    cns_vector_free(s->f1, s->n);
+    mpfr_clears(s->h, s->a, s->b, (mpfr_ptr)0);
+    free(s);
+}
+
+static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
+{
+    cns_stepper *s = calloc(1, sizeof *s);
+    if (!s) {
+        cns_fail(err, CNS_NUMERIC, "out of memory");
+        return NULL;
+    }
+    s->spec = *spec;
+    s->n = cns_program_states(spec->program);
+    mpfr_inits2(spec->prec, s->h, s->a, s->b, (mpfr_ptr)0);
+    cns_jet_spec jet = {.program = spec->program,
+                        .ops = cns_flow_arith(spec),
+                        .order = 1,
+                        .prec = spec->prec,
+                        .registers = BLOCKS * s->n + CONSTANTS};
+    s->x = cns_vector_new(s->n, spec->prec);
+    s->y = cns_vector_new(s->n, spec->prec);
+    s->f0 = cns_vector_new(s->n, spec->prec);
+    s->f1 = cns_vector_new(s->n, spec->prec);
+    s->jet = cns_jet_new(&jet, err);
+    if (!s->jet || !s->x || !s->y || !s->f0 || !s->f1) {
+        if (s->jet)
+            cns_fail(err, CNS_NUMERIC, "out of memory");
+        destroy(s);
+        return NULL;
+    }
+    return s;
+}
+
+static void start(cns_stepper *s)
+{
+    cns_jet_begin(s->jet, 1);
+    s->have_f1 = false;
+}
+
+static int reg(const cns_stepper *s, int block, int i)
+{
+    return cns_jet_register(s->jet, block * s->n + i);
+}
+
+/* x_i(stage) = x_i + c f_i, into the states of the jet, and the slopes into their weighted sum. */
+static void advance(cns_stepper *s, int c, long weight)
+{
+    const cns_arith_ops *ops = cns_jet_ops(s->jet);
+    cns_arith *A = cns_jet_arith(s->jet);
+    for (int i = 0; i < s->n; i++) {
+        int state = cns_jet_state_series(s->jet, i);
+        ops->zero(A);
+        if (weight > 0) {
+            ops->coef(A, 1, reg(s, SUM, i), 0);
+            ops->coef(A, weight, state, 1);
+        } else {
+            ops->coef(A, 1, state, 1);
+        }
+        ops->store(A, reg(s, SUM, i), 0);
+        ops->zero(A);
+        ops->coef(A, 1, reg(s, STATE, i), 0);
+        if (c == SIXTH_H)
+            ops->scaled(A, 1, reg(s, BLOCKS, SIXTH_H), reg(s, SUM, i), 0);
+        else
+            ops->scaled(A, 1, reg(s, BLOCKS, c), state, 1);
+        ops->store(A, state, 0);
+    }
+}
+
+static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_error *err)
+{
+    static const struct {
+        int c;
+        long weight; /* of this slope in the sum; 0 starts it */
+    } stage[4] = {{HALF_H, 0}, {HALF_H, 2}, {H, 2}, {SIXTH_H, 1}};
+    const cns_arith_ops *ops = cns_jet_ops(s->jet);
+    cns_arith *A = cns_jet_arith(s->jet);
+
+    mpfr_set(step->h, *step->limit, MPFR_RNDN);
+    mpfr_set(s->h, step->h, MPFR_RNDN);
+    ops->set(A, reg(s, BLOCKS, H), 0, s->h, true);
+    mpfr_div_2ui(s->a, s->h, 1, MPFR_RNDN);
+    ops->set(A, reg(s, BLOCKS, HALF_H), 0, s->a, true);
+    mpfr_div_ui(s->a, s->h, 6, MPFR_RNDN);
+    ops->set(A, reg(s, BLOCKS, SIXTH_H), 0, s->a, true);
+    for (int i = 0; i < s->n; i++) {
+        cns_jet_set_state(s->jet, i, x[i]);
+        ops->set(A, reg(s, STATE, i), 0, x[i], false);
+        mpfr_set(s->x[i], x[i], MPFR_RNDN);
+    }
+    for (int k = 0; k < 4; k++) {
+        cns_code code = cns_jet_expand(s->jet, 1, err);
+        if (code)
+            return code;
+        if (k == 0)
+            for (int i = 0; i < s->n; i++)
+                ops->get(A, s->f0[i], cns_jet_state_series(s->jet, i), 1);
+        advance(s, stage[k].c, stage[k].weight);
+    }
+    for (int i = 0; i < s->n; i++) {
+        ops->get(A, y[i], cns_jet_state_series(s->jet, i), 0);
+        mpfr_set(s->y[i], y[i], MPFR_RNDN);
+    }
+    s->have_f1 = false;
+    step->landed = false;
+    step->noise_log2 = -(double)s->spec.prec;
+    return CNS_OK;
+}
+
+/* Cubic Hermite: with u = tau/h,
+ * x + u h f0 + u^2 (3 (y - x) - h (2 f0 + f1)) + u^3 (2 (x - y) + h (f0 + f1)); its error, O(h^4), is that of
+ * the method over a fixed time. */
+static void eval(cns_stepper *s, const mpfr_t tau, mpfr_t *x)
+{
+    cns_error ignored;
+    if (!s->have_f1) {
+        for (int i = 0; i < s->n; i++)
+            cns_jet_set_state(s->jet, i, s->y[i]);
+        if (cns_jet_expand(s->jet, 1, &ignored))
+            for (int i = 0; i < s->n; i++) { /* singular there: the secant's slope serves */
+                mpfr_sub(s->f1[i], s->y[i], s->x[i], MPFR_RNDN);
+                mpfr_div(s->f1[i], s->f1[i], s->h, MPFR_RNDN);
+            }
+        else
+            for (int i = 0; i < s->n; i++)
+                cns_jet_coefficient(s->jet, s->f1[i], i, 1);
+        s->have_f1 = true;
+    }
+    mpfr_t u, c2, c3;
+    mpfr_inits2(s->spec.prec, u, c2, c3, (mpfr_ptr)0);
+    mpfr_div(u, tau, s->h, MPFR_RNDN);
+    for (int i = 0; i < s->n; i++) {
+        mpfr_sub(s->a, s->y[i], s->x[i], MPFR_RNDN);
+        mpfr_mul_2ui(c3, s->a, 1, MPFR_RNDN);
+        mpfr_neg(c3, c3, MPFR_RNDN);
+        mpfr_mul_ui(c2, s->a, 3, MPFR_RNDN);
+        mpfr_add(s->a, s->f0[i], s->f1[i], MPFR_RNDN);
+        mpfr_mul(s->b, s->a, s->h, MPFR_RNDN);
+        mpfr_add(c3, c3, s->b, MPFR_RNDN);
+        mpfr_add(s->a, s->a, s->f0[i], MPFR_RNDN);
+        mpfr_mul(s->b, s->a, s->h, MPFR_RNDN);
+        mpfr_sub(c2, c2, s->b, MPFR_RNDN);
+        mpfr_mul(c3, c3, u, MPFR_RNDN);
+        mpfr_add(c2, c2, c3, MPFR_RNDN);
+        mpfr_mul(c2, c2, u, MPFR_RNDN);
+        mpfr_mul(s->a, s->f0[i], s->h, MPFR_RNDN);
+        mpfr_add(c2, c2, s->a, MPFR_RNDN);
+        mpfr_mul(c2, c2, u, MPFR_RNDN);
+        mpfr_add(x[i], s->x[i], c2, MPFR_RNDN);
+        if (mpfr_cmp_ui(u, 1) == 0) /* the end itself, without the rounding of the interpolation */
+            mpfr_set(x[i], s->y[i], MPFR_RNDN);
+    }
+    mpfr_clears(u, c2, c3, (mpfr_ptr)0);
+}
+
+const cns_method_ops cns_method_rk4 = {
+    .name = "rk4",
+    .create = create,
+    .destroy = destroy,
+    .start = start,
+    .step = step,
+    .eval = eval,
+};

@@ -1,0 +1,24 @@
+/* What planning and solving share. Private to src/integrate. */
+#ifndef CNS_INTEGRATE_SOLVE_INSIDE_H
+#define CNS_INTEGRATE_SOLVE_INSIDE_H
+
+#include "cns/solve.h"
+#include "cns/trajectory.h"
+
+enum {
+    /* The second run of a proof has so many digits more or fewer: more than the 19.3 of a limb, so that the
+     * limb counts differ and no constant is rounded in the same place. */
+    CNS_PROOF_DIGITS = 22,
+    /* e = |s1 - s2| is enlarged by this factor, 2^CNS_PROOF_SAFETY_LOG2. */
+    CNS_PROOF_SAFETY_LOG2 = 4
+};
+
+/* The time of row number `row`: a multiple of every, at most the end. False: there is no such row. */
+bool cns_row_time(const cns_problem *p, unsigned long row, mpq_t time);
+
+/* The spec of a Taylor run with so many digits, all else automatic. */
+cns_flow_spec cns_taylor_spec(const cns_problem *p, long digits);
+
+bool cns_wants_outputs(const cns_problem *p);
+
+#endif

@@ -1,0 +1,127 @@
+#include "cns/trajectory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "cns/jet.h"
+#include "method.h"
+
+enum { OUTPUT_ORDER = 4 }; /* from a start with leading zeros, 0/0 needs a few orders */
+
+struct cns_trajectory {
+    cns_trajectory_spec spec;
+    cns_flow *flow;
+    cns_growth *growth;
+    cns_jet *outputs;
+    mpfr_t x;
+    bool late;
+};
+
+double cns_seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+bool cns_sample_init(cns_sample *s, const cns_program *p, mpfr_prec_t prec)
+{
+    s->n_states = cns_program_states(p);
+    s->n_outputs = cns_program_outputs(p);
+    s->state = cns_vector_new(s->n_states, prec);
+    s->output = cns_vector_new(s->n_outputs, prec);
+    s->growth = 0;
+    s->error_log2 = -HUGE_VAL;
+    return s->state && s->output;
+}
+
+void cns_sample_clear(cns_sample *s)
+{
+    cns_vector_free(s->state, s->n_states);
+    cns_vector_free(s->output, s->n_outputs);
+    s->state = s->output = NULL;
+}
+
+cns_trajectory *cns_trajectory_new(const cns_trajectory_spec *spec, cns_error *err)
+{
+    cns_trajectory *t = calloc(1, sizeof *t);
+    if (!t) {
+        cns_fail(err, CNS_NUMERIC, "out of memory");
+        return NULL;
+    }
+    t->spec = *spec;
+    t->flow = cns_flow_new(&spec->flow, err);
+    t->growth = t->flow ? cns_growth_new(spec->flow.program, spec->flow.scales, err) : NULL;
+    mpfr_init2(t->x, t->flow ? cns_flow_prec(t->flow) : MPFR_PREC_MIN);
+    bool wanted = spec->outputs && cns_program_outputs(spec->flow.program) > 0;
+    if (t->growth && wanted) {
+        cns_jet_spec jet = {.program = spec->flow.program,
+                            .ops = cns_flow_arith(&spec->flow),
+                            .order = OUTPUT_ORDER,
+                            .prec = cns_flow_prec(t->flow),
+                            .outputs = true};
+        t->outputs = cns_jet_new(&jet, err);
+    }
+    if (!t->growth || (wanted && !t->outputs)) {
+        cns_trajectory_free(t);
+        return NULL;
+    }
+    cns_flow_start(t->flow, spec->initial);
+    cns_growth_start(t->growth);
+    return t;
+}
+
+void cns_trajectory_free(cns_trajectory *t)
+{
+    if (!t)
+        return;
+    cns_flow_free(t->flow);
+    cns_growth_free(t->growth);
+    cns_jet_free(t->outputs);
+    mpfr_clear(t->x);
+    free(t);
+}
+
+static void evaluate_outputs(cns_trajectory *t, cns_sample *s)
+{
+    cns_error singular;
+    cns_jet_begin(t->outputs, 1);
+    for (int i = 0; i < s->n_states; i++)
+        cns_jet_set_state(t->outputs, i, s->state[i]);
+    bool defined = !cns_jet_expand(t->outputs, OUTPUT_ORDER, &singular);
+    for (int i = 0; i < s->n_outputs; i++)
+        if (!defined || !cns_jet_output(t->outputs, s->output[i], i))
+            mpfr_set_nan(s->output[i]);
+}
+
+cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, cns_error *err)
+{
+    while (mpfr_cmp_q(cns_flow_end(t->flow), time) < 0) {
+        if (t->spec.deadline != 0 && cns_seconds() > t->spec.deadline) {
+            t->late = true;
+            return cns_fail(err, CNS_STOPPED, "the time allowed is used up");
+        }
+        cns_code code = cns_flow_step(t->flow, err);
+        if (code)
+            return code;
+        double noise = t->spec.unit_noise != 0 ? t->spec.unit_noise : cns_flow_noise_log2(t->flow);
+        code = cns_growth_follow(t->growth, t->flow, noise, err);
+        if (code)
+            return code;
+    }
+    cns_flow_eval(t->flow, time, s->state);
+    if (t->outputs)
+        evaluate_outputs(t, s);
+    return cns_growth_at(t->growth, time, &s->growth, &s->error_log2, err);
+}
+
+cns_flow *cns_trajectory_flow(cns_trajectory *t)
+{
+    return t->flow;
+}
+
+bool cns_trajectory_late(const cns_trajectory *t)
+{
+    return t->late;
+}

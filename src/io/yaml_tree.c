@@ -1,0 +1,427 @@
+#include "yaml_tree.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <yaml.h>
+
+#include "core/memory.h"
+#include "core/text.h"
+
+/* Faults. */
+
+void cns_faults_add(cns_faults *f, cns_mark mark, const char *format, ...)
+{
+    f->count++;
+    if (f->kept == CNS_YAML_MAX_FAULTS)
+        return;
+    char text[1024];
+    va_list args;
+    va_start(args, format);
+    if (vsnprintf(text, sizeof text, format, args) < 0)
+        text[0] = '\0';
+    va_end(args);
+    if (f->list == NULL)
+        f->list = cns_xalloc(CNS_YAML_MAX_FAULTS, sizeof *f->list);
+    f->list[f->kept] = (cns_fault){mark, f->kept, cns_xcopy(text)};
+    f->kept++;
+}
+
+static int order_of_faults(const void *pa, const void *pb)
+{
+    const cns_fault *a = pa, *b = pb;
+    if (a->mark.set != b->mark.set)
+        return a->mark.set < b->mark.set ? -1 : 1;
+    if (a->mark.line != b->mark.line)
+        return a->mark.line < b->mark.line ? -1 : 1;
+    if (a->mark.column != b->mark.column)
+        return a->mark.column < b->mark.column ? -1 : 1;
+    return a->number < b->number ? -1 : a->number > b->number;
+}
+
+char *cns_faults_report(cns_faults *f, const char *name, const char *const *sets)
+{
+    if (f->count == 0)
+        return NULL;
+    qsort(f->list, f->kept, sizeof *f->list, order_of_faults);
+    size_t size = 64 + strlen(name);
+    for (size_t i = 0; i < f->kept; i++)
+        size += strlen(name) + strlen(f->list[i].message) + 64 + CNS_QUOTE;
+    char *report = cns_xgrow(NULL, size, 1);
+    size_t used = 0;
+    for (size_t i = 0; i < f->kept; i++) {
+        const cns_fault *x = &f->list[i];
+        int n;
+        if (x->mark.set >= 0)
+            n = snprintf(report + used, size - used, "--set %s: %s\n", cns_quote(sets[x->mark.set]).text,
+                         x->message);
+        else
+            n = snprintf(report + used, size - used, "%s:%zu:%zu: %s\n", name, x->mark.line, x->mark.column,
+                         x->message);
+        used += n > 0 ? (size_t)n : 0;
+    }
+    if (f->count > f->kept) {
+        int n = snprintf(report + used, size - used, "%s: %zu more\n", name, f->count - f->kept);
+        used += n > 0 ? (size_t)n : 0;
+    }
+    report[used - 1] = '\0'; /* the last newline */
+    return report;
+}
+
+void cns_faults_clear(cns_faults *f)
+{
+    for (size_t i = 0; i < f->kept; i++)
+        free(f->list[i].message);
+    free(f->list);
+    *f = (cns_faults){0};
+}
+
+/* The tree. */
+
+static cns_yaml_node *new_node(cns_yaml_kind kind, cns_mark mark)
+{
+    cns_yaml_node *node = cns_xalloc(1, sizeof *node);
+    node->kind = kind;
+    node->mark = mark;
+    return node;
+}
+
+static void append(cns_yaml_node *parent, cns_yaml_node *child)
+{
+    if (parent->last != NULL)
+        parent->last->next = child;
+    else
+        parent->first = child;
+    parent->last = child;
+}
+
+void cns_yaml_free(cns_yaml_node *node)
+{
+    if (node == NULL)
+        return;
+    for (cns_yaml_node *child = node->first, *next; child != NULL; child = next) {
+        next = child->next;
+        cns_yaml_free(child);
+    }
+    free(node->text);
+    free(node->key);
+    free(node);
+}
+
+cns_yaml_node *cns_yaml_find(const cns_yaml_node *mapping, const char *key)
+{
+    if (mapping == NULL || mapping->kind != CNS_YAML_MAPPING)
+        return NULL;
+    for (cns_yaml_node *child = mapping->first; child != NULL; child = child->next)
+        if (strcmp(child->key, key) == 0)
+            return child;
+    return NULL;
+}
+
+/* Turns a node into an empty one of another kind, in its place. */
+static void reset_node(cns_yaml_node *node, cns_yaml_kind kind, cns_mark mark)
+{
+    for (cns_yaml_node *child = node->first, *next; child != NULL; child = next) {
+        next = child->next;
+        cns_yaml_free(child);
+    }
+    free(node->text);
+    node->text = NULL;
+    node->first = node->last = NULL;
+    node->kind = kind;
+    node->mark = mark;
+}
+
+bool cns_yaml_override(cns_yaml_node *root, const char *path, size_t path_length, const char *value, int set)
+{
+    const char *end = path + path_length;
+    size_t depth = 1;
+    for (const char *p = path; p < end; p++)
+        depth += *p == '.';
+    if (path_length == 0 || *path == '.' || end[-1] == '.' || depth > CNS_YAML_MAX_DEPTH)
+        return false;
+    for (const char *p = path; p + 1 < end; p++)
+        if (p[0] == '.' && p[1] == '.')
+            return false;
+
+    const cns_mark mark = {0, 0, set};
+    cns_yaml_node *node = root;
+    for (const char *p = path; p < end;) {
+        const char *stop = memchr(p, '.', (size_t)(end - p));
+        if (stop == NULL)
+            stop = end;
+        if (node->kind != CNS_YAML_MAPPING)
+            reset_node(node, CNS_YAML_MAPPING, mark);
+        char *key = cns_xcopy_n(p, (size_t)(stop - p));
+        cns_yaml_node *child = cns_yaml_find(node, key);
+        if (child == NULL) {
+            child = new_node(CNS_YAML_MAPPING, mark);
+            child->key = key;
+            child->key_mark = mark;
+            append(node, child);
+        } else {
+            free(key);
+        }
+        node = child;
+        p = stop + (stop < end);
+    }
+    reset_node(node, CNS_YAML_SCALAR, mark);
+    node->text = cns_xcopy(value);
+    return true;
+}
+
+/* Reading. */
+
+typedef struct builder {
+    yaml_parser_t parser;
+    cns_faults *faults;
+    size_t nodes;
+    bool stopped; /* a fault after which reading on makes no sense */
+} builder;
+
+static cns_mark mark_of(yaml_mark_t m)
+{
+    return (cns_mark){m.line + 1, m.column + 1, -1};
+}
+
+static bool next_event(builder *b, yaml_event_t *event)
+{
+    if (yaml_parser_parse(&b->parser, event))
+        return true;
+    const yaml_parser_t *p = &b->parser;
+    const char *problem = p->problem != NULL ? p->problem : "out of memory";
+    cns_mark mark = mark_of(p->problem_mark);
+    if (p->context != NULL && p->context_mark.line != p->problem_mark.line)
+        cns_faults_add(b->faults, mark, "not YAML: %s, %s that began on line %zu", problem, p->context,
+                       p->context_mark.line + 1);
+    else if (p->context != NULL)
+        cns_faults_add(b->faults, mark, "not YAML: %s, %s", problem, p->context);
+    else
+        cns_faults_add(b->faults, mark, "not YAML: %s", problem);
+    b->stopped = true;
+    return false;
+}
+
+static void refuse_properties(builder *b, cns_mark mark, const yaml_char_t *anchor, const yaml_char_t *tag)
+{
+    if (anchor != NULL)
+        cns_faults_add(b->faults, mark, "anchors and aliases are not accepted: '&%s'",
+                       cns_quote((const char *)anchor).text);
+    if (tag != NULL)
+        cns_faults_add(b->faults, mark, "tags are not accepted: '%s'", cns_quote((const char *)tag).text);
+}
+
+static cns_yaml_node *build(builder *b, const yaml_event_t *event, int depth, const char *key);
+
+static cns_yaml_node *build_scalar(builder *b, const yaml_event_t *event, cns_mark mark)
+{
+    const char *value = (const char *)event->data.scalar.value;
+    size_t length = event->data.scalar.length;
+    refuse_properties(b, mark, event->data.scalar.anchor, event->data.scalar.tag);
+    if (memchr(value, '\0', length) != NULL)
+        cns_faults_add(b->faults, mark, "a NUL character inside a text");
+    cns_yaml_node *node = new_node(CNS_YAML_SCALAR, mark);
+    node->text = cns_xcopy_n(value, length);
+    return node;
+}
+
+static cns_yaml_node *build_sequence(builder *b, cns_mark mark, int depth)
+{
+    cns_yaml_node *node = new_node(CNS_YAML_SEQUENCE, mark);
+    while (!b->stopped) {
+        yaml_event_t event;
+        if (!next_event(b, &event))
+            break;
+        if (event.type == YAML_SEQUENCE_END_EVENT) {
+            yaml_event_delete(&event);
+            break;
+        }
+        cns_yaml_node *child = build(b, &event, depth + 1, NULL);
+        yaml_event_delete(&event);
+        if (child != NULL)
+            append(node, child);
+    }
+    return node;
+}
+
+static void note_doubled(builder *b, const cns_yaml_node *mapping, const char *where, cns_yaml_node *child)
+{
+    const cns_yaml_node *first = cns_yaml_find(mapping, child->key);
+    if (first == NULL)
+        return;
+    child->refused = true;
+    if (where != NULL)
+        cns_faults_add(b->faults, child->key_mark, "doubled key '%s' in '%s'; it is already on line %zu",
+                       cns_quote(child->key).text, cns_quote(where).text, first->key_mark.line);
+    else
+        cns_faults_add(b->faults, child->key_mark, "doubled key '%s'; it is already on line %zu",
+                       cns_quote(child->key).text, first->key_mark.line);
+}
+
+static cns_yaml_node *build_mapping(builder *b, cns_mark mark, int depth, const char *own_key)
+{
+    cns_yaml_node *node = new_node(CNS_YAML_MAPPING, mark);
+    while (!b->stopped) {
+        yaml_event_t event;
+        if (!next_event(b, &event))
+            break;
+        if (event.type == YAML_MAPPING_END_EVENT) {
+            yaml_event_delete(&event);
+            break;
+        }
+        cns_mark key_mark = mark_of(event.start_mark);
+        cns_yaml_node *key = build(b, &event, depth + 1, NULL);
+        yaml_event_delete(&event);
+        if (key != NULL && key->kind != CNS_YAML_SCALAR)
+            cns_faults_add(b->faults, key_mark, "a key must be a word");
+        const char *name = key != NULL && key->kind == CNS_YAML_SCALAR && !key->refused ? key->text : NULL;
+        cns_yaml_node *value = NULL;
+        if (!b->stopped && next_event(b, &event)) {
+            value = build(b, &event, depth + 1, name);
+            yaml_event_delete(&event);
+        }
+        if (value != NULL && name != NULL) {
+            value->key = cns_xcopy(name);
+            value->key_mark = key_mark;
+            note_doubled(b, node, own_key, value);
+            append(node, value);
+        } else {
+            cns_yaml_free(value);
+        }
+        cns_yaml_free(key);
+    }
+    return node;
+}
+
+/* An empty text in place of an alias, so that the reading goes on with keys and values in pairs. */
+static cns_yaml_node *refused_scalar(cns_mark mark)
+{
+    cns_yaml_node *node = new_node(CNS_YAML_SCALAR, mark);
+    node->text = cns_xcopy("");
+    node->refused = true;
+    return node;
+}
+
+/* The node that an event begins; NULL for one that was refused. `key`: the key it stands at, or NULL. */
+static cns_yaml_node *build(builder *b, const yaml_event_t *event, int depth, const char *key)
+{
+    cns_mark mark = mark_of(event->start_mark);
+    if (++b->nodes > CNS_YAML_MAX_NODES) {
+        cns_faults_add(b->faults, mark, "more than %d keys and values; reading stops here",
+                       CNS_YAML_MAX_NODES);
+        b->stopped = true;
+        return NULL;
+    }
+    if (depth > CNS_YAML_MAX_DEPTH) {
+        cns_faults_add(b->faults, mark, "nested more than %d deep; reading stops here", CNS_YAML_MAX_DEPTH);
+        b->stopped = true;
+        return NULL;
+    }
+    switch (event->type) {
+    case YAML_SCALAR_EVENT:
+        return build_scalar(b, event, mark);
+    case YAML_SEQUENCE_START_EVENT:
+        refuse_properties(b, mark, event->data.sequence_start.anchor, event->data.sequence_start.tag);
+        return build_sequence(b, mark, depth);
+    case YAML_MAPPING_START_EVENT:
+        refuse_properties(b, mark, event->data.mapping_start.anchor, event->data.mapping_start.tag);
+        return build_mapping(b, mark, depth, key);
+    case YAML_ALIAS_EVENT:
+        cns_faults_add(b->faults, mark, "anchors and aliases are not accepted: '*%s'",
+                       cns_quote((const char *)event->data.alias.anchor).text);
+        return refused_scalar(mark);
+    default:
+        return NULL;
+    }
+}
+
+/* The bytes that libyaml reports without a usable place, or reads over. */
+static bool check_bytes(const char *text, size_t length, cns_faults *f)
+{
+    cns_mark mark = {1, 1, -1};
+    const unsigned char *s = (const unsigned char *)text;
+    for (size_t i = 0; i < length;) {
+        int step = cns_utf8_length(s + i, length - i);
+        if (step == 0) {
+            cns_faults_add(f, mark, "byte 0x%02X is not UTF-8 text", s[i]);
+            return false;
+        }
+        bool c1 = s[i] == 0xC2 && s[i + 1] < 0xA0 && s[i + 1] != 0x85;
+        if ((s[i] < 0x20 && s[i] != '\t' && s[i] != '\n' && s[i] != '\r') || s[i] == 0x7F || c1) {
+            cns_faults_add(f, mark, "control character 0x%02X; is this a text file?", c1 ? s[i + 1] : s[i]);
+            return false;
+        }
+        if (step == 3 && s[i] == 0xEF && s[i + 1] == 0xBF && s[i + 2] >= 0xBE) { /* U+FFFE, U+FFFF */
+            cns_faults_add(f, mark, "a character that is no text; is this a text file?");
+            return false;
+        }
+        if (s[i] == '\n' || (s[i] == '\r' && !(i + 1 < length && s[i + 1] == '\n'))) {
+            mark.line++;
+            mark.column = 1;
+        } else {
+            mark.column++;
+        }
+        i += (size_t)step;
+    }
+    return true;
+}
+
+/* Reads up to the event of the first content, then up to the end of the stream. */
+static cns_yaml_node *read_stream(builder *b)
+{
+    cns_yaml_node *root = NULL;
+    int documents = 0;
+    for (bool done = false; !done && !b->stopped;) {
+        yaml_event_t event;
+        if (!next_event(b, &event))
+            break;
+        switch (event.type) {
+        case YAML_STREAM_START_EVENT:
+        case YAML_DOCUMENT_END_EVENT:
+            break;
+        case YAML_DOCUMENT_START_EVENT:
+            if (++documents > 1) {
+                cns_faults_add(b->faults, mark_of(event.start_mark),
+                               "a second document begins; a case file holds one");
+                b->stopped = true;
+            }
+            break;
+        case YAML_STREAM_END_EVENT:
+            done = true;
+            break;
+        default:
+            root = build(b, &event, 1, NULL);
+            break;
+        }
+        yaml_event_delete(&event);
+    }
+    return root;
+}
+
+cns_yaml_node *cns_yaml_parse(const char *text, size_t length, cns_faults *f)
+{
+    const cns_mark start = {1, 1, -1};
+    if (length > (size_t)CNS_YAML_MAX_BYTES) {
+        cns_faults_add(f, start, "larger than 1 MiB; this cannot be a case file");
+        return NULL;
+    }
+    if (!check_bytes(text, length, f))
+        return NULL;
+    builder b = {.faults = f};
+    if (!yaml_parser_initialize(&b.parser)) {
+        cns_faults_add(f, start, "out of memory");
+        return NULL;
+    }
+    yaml_parser_set_input_string(&b.parser, (const unsigned char *)text, length);
+    cns_yaml_node *root = read_stream(&b);
+    yaml_parser_delete(&b.parser);
+    if (!b.stopped && root == NULL)
+        cns_faults_add(f, start, "the file is empty");
+    if (b.stopped) {
+        cns_yaml_free(root);
+        root = NULL;
+    }
+    return root;
+}

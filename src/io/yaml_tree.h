@@ -1,0 +1,66 @@
+/* YAML read into a small tree that remembers where everything stood, and the list of what was wrong.
+ *
+ * A subset on purpose: mappings, lists and plain or quoted text. Anchors, aliases, tags, further
+ * documents and doubled keys are faults. Values stay text. */
+#ifndef CNS_IO_YAML_TREE_H
+#define CNS_IO_YAML_TREE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#define CNS_YAML_MAX_BYTES  (1024L * 1024L)
+#define CNS_YAML_MAX_DEPTH  16
+#define CNS_YAML_MAX_NODES  4096
+#define CNS_YAML_MAX_FAULTS 100 /* reported; the rest are counted */
+
+/* Where something stands: a place in the file, from 1; or the override number `set` (-1: the file). */
+typedef struct cns_mark {
+    size_t line, column;
+    int set;
+} cns_mark;
+
+typedef struct cns_fault {
+    cns_mark mark;
+    size_t number; /* in order of discovery */
+    char *message;
+} cns_fault;
+
+typedef struct cns_faults {
+    size_t count, kept;
+    cns_fault *list;
+} cns_faults;
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 3, 4)))
+#endif
+void cns_faults_add(cns_faults *f, cns_mark mark, const char *format, ...);
+
+/* One line per fault, in the order of the file, then of the overrides; NULL when there is none.
+ * sets[i] is the text of override i. The caller frees it. */
+char *cns_faults_report(cns_faults *f, const char *name, const char *const *sets);
+void cns_faults_clear(cns_faults *f);
+
+typedef enum cns_yaml_kind { CNS_YAML_SCALAR, CNS_YAML_MAPPING, CNS_YAML_SEQUENCE } cns_yaml_kind;
+
+typedef struct cns_yaml_node {
+    cns_yaml_kind kind;
+    cns_mark mark;
+    char *text; /* of a scalar */
+    char *key;  /* when it stands in a mapping */
+    cns_mark key_mark;
+    bool refused;                              /* already reported; not to be checked */
+    struct cns_yaml_node *first, *last, *next; /* children; next sibling */
+} cns_yaml_node;
+
+/* The root of the only document, or NULL when the text could not be read to its end (then there is a
+ * fault). */
+cns_yaml_node *cns_yaml_parse(const char *text, size_t length, cns_faults *f);
+void cns_yaml_free(cns_yaml_node *node);
+
+cns_yaml_node *cns_yaml_find(const cns_yaml_node *mapping, const char *key); /* NULL: not there */
+
+/* Puts the scalar `value` at the path (keys joined by points), making mappings on the way and replacing
+ * what stood there. False when the path is malformed or too deep. */
+bool cns_yaml_override(cns_yaml_node *root, const char *path, size_t path_length, const char *value, int set);
+
+#endif

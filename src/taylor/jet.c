@@ -1,0 +1,538 @@
+#include "cns/jet.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "jet_inside.h"
+
+/* Room beyond the order asked for, where leading zeros let products run ahead of the states. */
+enum { LOOKAHEAD = 4 };
+
+static void number_value(mpfr_t y, const cns_program *p, const cns_tape_node *n)
+{
+    if (n->op == CNS_OP_PARAMETER)
+        cns_number_get_mpfr(y, &p->parameters[n->index]);
+    else
+        cns_number_get_mpfr(y, n->index < 0 ? &p->smooth : &p->constants[n->index]);
+}
+
+/* Constants are computed once, by the same recurrences, in MPFR with bits to spare. */
+static cns_code compute_constants(cns_jet *J, cns_error *err)
+{
+    const mpfr_prec_t prec = J->spec.prec + 64;
+    cns_arith_spec spec = {.series = J->p->n_nodes + 1, .order = 1, .prec = prec};
+    cns_arith *target = J->A;
+    int *series = J->series;
+    cns_code code = CNS_OK;
+    mpfr_t y;
+
+    J->A = cns_arith_mpfr.create(&spec, err);
+    J->series = malloc(((size_t)J->p->n_nodes + 1) * sizeof *J->series);
+    if (!J->A || !J->series) {
+        code = cns_fail(err, CNS_NUMERIC, "out of memory");
+    } else {
+        mpfr_init2(y, prec);
+        J->ops = &cns_arith_mpfr;
+        for (int v = 0; v < J->p->n_nodes; v++)
+            J->series[v] = v;
+        for (int v = 0; v < J->p->n_nodes && !code; v++) {
+            const cns_tape_node *n = &J->p->node[v];
+            if (!n->constant)
+                continue;
+            if (cns_op_recurrence[n->op]) {
+                code = cns_op_recurrence[n->op](J, v, 0, err);
+            } else {
+                number_value(y, J->p, n);
+                J->ops->set(J->A, v, 0, y, false);
+            }
+        }
+        for (int v = 0; v < J->p->n_nodes && !code; v++)
+            if (J->p->node[v].constant) {
+                J->ops->get(J->A, y, v, 0);
+                if (!mpfr_number_p(y))
+                    code = cns_fail(err, CNS_NUMERIC, "a constant of the model is not a finite number");
+                J->spec.ops->set(target, series[v], 0, y, true);
+                J->constant_zero[v] = mpfr_zero_p(y) != 0;
+            }
+        mpfr_clear(y);
+    }
+    if (J->A)
+        cns_arith_mpfr.destroy(J->A);
+    free(J->series);
+    J->A = target;
+    J->series = series;
+    J->ops = J->spec.ops;
+    return code;
+}
+
+cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err)
+{
+    const cns_program *p = spec->program;
+    size_t n = (size_t)p->n_nodes + 1;
+    cns_jet *J = calloc(1, sizeof *J);
+    if (!J) {
+        cns_fail(err, CNS_NUMERIC, "out of memory");
+        return NULL;
+    }
+    J->spec = *spec;
+    J->p = p;
+    J->ops = spec->ops;
+    mpfr_inits2(spec->prec, J->x, J->y, J->z, (mpfr_ptr)0);
+    J->series = malloc(n * sizeof *J->series);
+    J->plan = malloc(n * sizeof *J->plan);
+    J->state_series = malloc(((size_t)p->n_states + 1) * sizeof *J->state_series);
+    J->sign = calloc(n, sizeof *J->sign);
+    J->held = calloc(n, sizeof *J->held);
+    J->vanishes = calloc(n, sizeof *J->vanishes);
+    J->constant_zero = calloc(n, sizeof *J->constant_zero);
+    J->at_zero = calloc(n, sizeof *J->at_zero);
+    J->state_vanishes = calloc((size_t)p->n_states + 1, sizeof *J->state_vanishes);
+    J->state_known = calloc((size_t)p->n_states + 1, sizeof *J->state_known);
+    J->val = calloc(n, sizeof *J->val);
+    J->known = calloc(n, sizeof *J->known);
+    if (!J->series || !J->plan || !J->state_series || !J->sign || !J->held || !J->vanishes ||
+        !J->constant_zero || !J->at_zero || !J->state_vanishes || !J->state_known || !J->val || !J->known) {
+        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_jet_free(J);
+        return NULL;
+    }
+    int series = 0;
+    for (int i = 0; i < p->n_states; i++)
+        J->state_series[i] = series++;
+    for (int v = 0; v < p->n_nodes; v++) {
+        const cns_tape_node *node = &p->node[v];
+        bool wanted = node->constant || ((node->needed || spec->outputs) && (spec->outputs || !node->folded));
+        if (node->op == CNS_OP_STATE) {
+            J->series[v] = J->state_series[node->index];
+            continue;
+        }
+        J->series[v] = wanted ? series++ : -1;
+        if (wanted && !node->constant)
+            J->plan[J->n_plan++] = v;
+    }
+    J->registers_from = series;
+    cns_arith_spec arith = {
+        .series = series + spec->registers, .order = spec->order + LOOKAHEAD, .prec = spec->prec};
+    J->A = J->ops->create(&arith, err);
+    if (!J->A || compute_constants(J, err)) {
+        cns_jet_free(J);
+        return NULL;
+    }
+    return J;
+}
+
+void cns_jet_free(cns_jet *J)
+{
+    if (!J)
+        return;
+    if (J->A)
+        J->ops->destroy(J->A);
+    mpfr_clears(J->x, J->y, J->z, (mpfr_ptr)0);
+    free(J->series);
+    free(J->plan);
+    free(J->state_series);
+    free(J->sign);
+    free(J->held);
+    free(J->vanishes);
+    free(J->constant_zero);
+    free(J->at_zero);
+    free(J->state_vanishes);
+    free(J->state_known);
+    free(J->val);
+    free(J->known);
+    free(J);
+}
+
+void cns_jet_begin(cns_jet *J, double H)
+{
+    J->ops->begin(J->A, H);
+    memset(J->at_zero, 0, (size_t)J->p->n_nodes * sizeof *J->at_zero);
+}
+
+void cns_jet_set_state(cns_jet *J, int i, const mpfr_t x)
+{
+    J->ops->set(J->A, J->state_series[i], 0, x, false);
+}
+
+/* Which quantities vanish identically: the largest set of states that are zero now and whose derivatives
+ * vanish if the set does (an invariant line or plane of the system). */
+static void find_vanishing(cns_jet *J)
+{
+    const cns_program *p = J->p;
+    long e;
+    bool candidates = false, changed = true;
+    memset(J->vanishes, 0, (size_t)p->n_nodes * sizeof *J->vanishes);
+    for (int i = 0; i < p->n_states; i++) {
+        J->state_vanishes[i] = J->ops->get_2exp(J->A, &e, J->state_series[i], 0) == 0;
+        candidates = candidates || J->state_vanishes[i];
+    }
+    if (!candidates)
+        return;
+    while (changed) {
+        for (int v = 0; v < p->n_nodes; v++) {
+            const cns_tape_node *n = &p->node[v];
+            bool a = n->arg[0] >= 0 && J->vanishes[n->arg[0]], b = n->arg[1] >= 0 && J->vanishes[n->arg[1]];
+            switch (n->op) {
+            case CNS_OP_STATE:
+                J->vanishes[v] = J->state_vanishes[n->index];
+                break;
+            case CNS_OP_ADD:
+            case CNS_OP_SUB:
+            case CNS_OP_HYPOT:
+                J->vanishes[v] = a && b;
+                break;
+            case CNS_OP_MUL:
+            case CNS_OP_SCALE:
+                J->vanishes[v] = a || b;
+                break;
+            case CNS_OP_SIGNED:
+                J->vanishes[v] = a || b;
+                break;
+            case CNS_OP_NEG:
+            case CNS_OP_SQR:
+            case CNS_OP_SQRT:
+            case CNS_OP_EULER:
+            case CNS_OP_SIN:
+            case CNS_OP_ABS:
+                J->vanishes[v] = a;
+                break;
+            case CNS_OP_DIV:
+                J->vanishes[v] = a && !b;
+                break;
+            default:
+                J->vanishes[v] = false;
+            }
+            if (n->constant)
+                J->vanishes[v] = J->constant_zero[v];
+        }
+        changed = false;
+        for (int i = 0; i < p->n_states; i++)
+            if (J->state_vanishes[i] && !J->vanishes[p->derivative[i]] &&
+                !(p->factor[i] >= 0 && J->constant_zero[p->factor[i]])) {
+                J->state_vanishes[i] = false;
+                changed = true;
+            }
+    }
+}
+
+/* x_{k+1} = H f_k / (k+1). */
+static void next_state(cns_jet *J, int i, int k)
+{
+    int factor = J->p->factor[i];
+    J->ops->zero(J->A);
+    if (!J->state_vanishes[i])
+        cns_accumulate(J, 1, J->p->derivative[i], k);
+    J->ops->store_next(J->A, J->state_series[i], k, factor < 0 ? -1 : J->series[factor]);
+}
+
+static cns_code expand_regular(cns_jet *J, int order, cns_error *err)
+{
+    for (int k = 0; k < order; k++) {
+        for (int i = 0; i < J->n_plan; i++) {
+            int v = J->plan[i];
+            if (J->vanishes[v])
+                continue;
+            cns_code code = cns_op_recurrence[J->p->node[v].op](J, v, k, err);
+            if (code)
+                return code;
+        }
+        for (int i = 0; i < J->p->n_states; i++)
+            next_state(J, i, k);
+    }
+    J->order = order;
+    return CNS_OK;
+}
+
+static int min2(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* How many coefficients of node v its operands' known coefficients and leading zeros determine. */
+static int available(const cns_jet *J, int v)
+{
+    const cns_tape_node *n = &J->p->node[v];
+    const int *arg = n->arg, *K = J->known, *V = J->val;
+    int a = arg[0], b = arg[1], m, lead;
+    switch (n->op) {
+    case CNS_OP_ADD:
+    case CNS_OP_SUB:
+        return min2(K[a], K[b]);
+    case CNS_OP_MUL:
+        return min2(K[a] + V[b], K[b] + V[a]);
+    case CNS_OP_SQR:
+        return K[a] + V[a];
+    case CNS_OP_SCALE:
+    case CNS_OP_SIGNED:
+        return K[b];
+    case CNS_OP_DIV:
+        m = V[b];
+        lead = V[a] > m ? V[a] - m : 0;
+        return K[b] > m ? min2(K[a] - m, K[b] - m + lead) : 0;
+    case CNS_OP_SQRT:
+    case CNS_OP_SMOOTH_ABS:
+        return K[a] > V[a] ? K[a] - V[a] / 2 : 0;
+    case CNS_OP_HYPOT:
+        if (J->vanishes[a] || J->vanishes[b])
+            return K[J->vanishes[a] ? b : a];
+        m = min2(V[a], V[b]);
+        return K[a] > m && K[b] > m ? min2(K[arg[2]], K[arg[3]]) - m : 0;
+    case CNS_OP_SIN:
+        return min2(K[a], K[v + 1] + 1);
+    case CNS_OP_COS:
+        return min2(K[a], K[arg[2]]);
+    case CNS_OP_LOG:
+    case CNS_OP_POW:
+        return min2(K[a], K[v + 1] + 1);
+    default:
+        return K[a];
+    }
+}
+
+static int leading_zeros_of_folded(const cns_jet *J, int v)
+{
+    const cns_tape_node *n = &J->p->node[v];
+    int a = n->arg[0], b = n->arg[1];
+    switch (n->op) {
+    case CNS_OP_ADD:
+    case CNS_OP_SUB:
+        return min2(J->val[a], J->val[b]);
+    case CNS_OP_MUL:
+        return J->val[a] + J->val[b];
+    case CNS_OP_SQR:
+        return 2 * J->val[a];
+    case CNS_OP_NEG:
+        return J->val[a];
+    default:
+        return J->val[b];
+    }
+}
+
+static bool pole(const cns_jet *J, int v)
+{
+    const cns_tape_node *n = &J->p->node[v];
+    if (n->op != CNS_OP_DIV)
+        return false;
+    if (J->vanishes[n->arg[1]])
+        return true;
+    if (J->known[n->arg[1]] <= J->val[n->arg[1]])
+        return false;
+    return J->val[n->arg[0]] < J->val[n->arg[1]] && J->known[n->arg[0]] > J->val[n->arg[0]];
+}
+
+/* The general expansion, for a start where something that divides, or lies under a root, vanishes. Every
+ * node is computed as far as its operands allow; leading zeros become known on the way, and a quotient
+ * whose divisor's first non-zero coefficient is not known yet waits, assumed finite: what it multiplies
+ * must vanish to the order that makes the sum known without it, or the expansion gets stuck and fails. States
+ * run ahead of each other as far as they can. */
+static cns_code expand_singular(cns_jet *J, int order, cns_error *err)
+{
+    const cns_program *p = J->p;
+    const int far = INT_MAX / 4, room = J->spec.order + LOOKAHEAD + 1;
+    int least = 1;
+
+    for (int v = 0; v < p->n_nodes; v++) {
+        bool fixed = p->node[v].constant || J->vanishes[v];
+        J->known[v] = fixed ? far : p->node[v].op == CNS_OP_STATE ? 1 : 0;
+        J->val[v] = J->vanishes[v] ? room : 0;
+        J->sign[v] = 0;
+    }
+    for (int i = 0; i < p->n_states; i++)
+        J->state_known[i] = 1;
+    for (;;) {
+        bool progress = false;
+        for (int v = 0; v < p->n_nodes; v++) {
+            const cns_tape_node *n = &p->node[v];
+            long e;
+            if (n->constant || J->vanishes[v] || (!n->needed && !J->spec.outputs))
+                continue;
+            if (pole(J, v)) {
+                if (!n->needed) /* an output has no value here; the solution has */
+                    continue;
+                return cns_fail(err, CNS_NUMERIC, "division by zero (operation %%%d)", v);
+            }
+            if (n->op == CNS_OP_STATE) {
+                while (J->val[v] < J->known[v] && J->val[v] < room &&
+                       J->ops->get_2exp(J->A, &e, J->series[v], J->val[v]) == 0)
+                    J->val[v]++;
+                continue;
+            }
+            int count = min2(available(J, v), room);
+            if (J->series[v] < 0) {
+                progress = progress || count > J->known[v];
+                J->known[v] = count;
+                J->val[v] = min2(leading_zeros_of_folded(J, v), room);
+                continue;
+            }
+            while (J->known[v] < count) {
+                int k = J->known[v];
+                cns_code code = cns_op_recurrence[n->op](J, v, k, err);
+                if (code && !n->needed)
+                    break;
+                if (code)
+                    return code;
+                J->known[v]++;
+                if (J->val[v] == k && J->ops->get_2exp(J->A, &e, J->series[v], k) == 0)
+                    J->val[v] = k + 1;
+                progress = true;
+                if (n->op == CNS_OP_SIN)
+                    break; /* its cosine comes first */
+            }
+        }
+        least = far;
+        for (int i = 0; i < p->n_states; i++) {
+            int reach = J->state_vanishes[i] ? order : min2(J->known[p->derivative[i]], order);
+            for (; J->state_known[i] <= reach; J->state_known[i]++) {
+                progress = true;
+                next_state(J, i, J->state_known[i] - 1);
+            }
+            if (p->state_node[i] >= 0 && !J->vanishes[p->state_node[i]])
+                J->known[p->state_node[i]] = J->state_known[i];
+            least = min2(least, J->state_known[i]);
+        }
+        if (least > order || !progress)
+            break;
+    }
+    /* Products may need coefficients beyond the room; a few orders less are no failure. */
+    J->order = least - 1;
+    if (J->order < order - LOOKAHEAD || J->order < 1)
+        return cns_fail(err, CNS_NUMERIC, "the equations are singular");
+    return CNS_OK;
+}
+
+static cns_code expand(cns_jet *J, int order, cns_error *err)
+{
+    const cns_program *p = J->p;
+    cns_error regular;
+    memset(J->sign, 0, (size_t)p->n_nodes * sizeof *J->sign);
+    memset(J->val, 0, (size_t)p->n_nodes * sizeof *J->val);
+    J->singular = J->sign_late = false;
+    if (!expand_regular(J, order, &regular))
+        return CNS_OK;
+    J->singular = true;
+    J->sign_late = false;
+    return expand_singular(J, order, err);
+}
+
+/* Where an abs() starts on a zero, its sign shows only at the order of the zero, but its tangent has that
+ * sign from order 0 on: another pass, with the signs that the last one found, until they stay. */
+cns_code cns_jet_expand(cns_jet *J, int order, cns_error *err)
+{
+    const size_t bytes = (size_t)J->p->n_nodes * sizeof *J->sign;
+    find_vanishing(J);
+    memset(J->held, 0, bytes);
+    for (int pass = 0;; pass++) {
+        cns_code code = expand(J, order, err);
+        bool same = !memcmp(J->held, J->sign, bytes);
+        if (code || pass > J->p->n_watch || (same && pass > 0) || (!J->sign_late && pass == 0))
+            return code;
+        memcpy(J->held, J->sign, bytes);
+    }
+}
+
+int cns_jet_order(const cns_jet *J)
+{
+    return J->order;
+}
+
+void cns_jet_coefficient(const cns_jet *J, mpfr_t y, int state, int k)
+{
+    J->ops->get(J->A, y, J->state_series[state], k);
+}
+
+double cns_jet_coefficient_2exp(const cns_jet *J, long *e, int state, int k)
+{
+    return J->ops->get_2exp(J->A, e, J->state_series[state], k);
+}
+
+bool cns_jet_output(const cns_jet *J, mpfr_t y, int output)
+{
+    int v = J->p->output[output];
+    if (J->vanishes[v])
+        mpfr_set_zero(y, 1);
+    else if (J->singular && J->known[v] < 1)
+        return false;
+    else
+        J->ops->get(J->A, y, J->series[v], 0);
+    return mpfr_number_p(y) != 0;
+}
+
+int cns_jet_watched(const cns_jet *J)
+{
+    return J->p->n_watch;
+}
+
+static bool is_zero(const cns_jet *J, int series, int k)
+{
+    long e;
+    return J->ops->get_2exp(J->A, &e, series, k) == 0;
+}
+
+/* The node whose series is watched, and whether it vanishes identically. */
+static int watched_node(const cns_jet *J, int w)
+{
+    int v = J->p->watch[w];
+    const cns_tape_node *n = &J->p->node[v];
+    if (n->op == CNS_OP_ABS)
+        return n->arg[0];
+    if (n->op == CNS_OP_SMOOTH_ABS)
+        return n->arg[1];
+    if (n->op == CNS_OP_HYPOT && (J->vanishes[n->arg[0]] || J->vanishes[n->arg[1]]))
+        return J->vanishes[n->arg[0]] ? n->arg[1] : n->arg[0];
+    return v;
+}
+
+void cns_jet_set_zero(cns_jet *J, int w)
+{
+    J->at_zero[watched_node(J, w)] = true;
+}
+
+bool cns_jet_watch(const cns_jet *J, int w, cns_watch *watch)
+{
+    int v = watched_node(J, w), held = J->p->watch[w];
+    const cns_tape_node *n = &J->p->node[v];
+    if (J->vanishes[v])
+        return false;
+    watch->series = J->series[v];
+    watch->state = n->op == CNS_OP_STATE ? n->index : -1;
+    watch->kind = J->p->node[held].op == CNS_OP_SMOOTH_ABS ? CNS_WATCH_SMOOTH
+                  : v == held                              ? CNS_WATCH_ROOT
+                                                           : CNS_WATCH_KINK;
+    watch->eps = watch->kind == CNS_WATCH_SMOOTH ? J->series[J->p->node[held].arg[2]] : -1;
+    watch->order = J->singular         ? min2(J->known[v] - 1, J->order)
+                   : watch->state >= 0 ? J->order
+                                       : J->order - 1;
+    watch->zeros = 0;
+    if (watch->kind == CNS_WATCH_KINK) {
+        /* The coefficients that did not decide the sign are zero within rounding. */
+        if (!J->sign[held])
+            return false;
+        while (watch->zeros < watch->order && is_zero(J, J->series[held], watch->zeros))
+            watch->zeros++;
+    } else {
+        while (watch->zeros < watch->order && is_zero(J, J->series[v], watch->zeros))
+            watch->zeros++;
+    }
+    return true;
+}
+
+const cns_arith_ops *cns_jet_ops(const cns_jet *J)
+{
+    return J->ops;
+}
+
+cns_arith *cns_jet_arith(const cns_jet *J)
+{
+    return J->A;
+}
+
+int cns_jet_state_series(const cns_jet *J, int i)
+{
+    return J->state_series[i];
+}
+
+int cns_jet_register(const cns_jet *J, int r)
+{
+    return J->registers_from + r;
+}

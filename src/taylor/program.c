@@ -1,0 +1,564 @@
+#include "cns/program.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "tape.h"
+
+const char *const cns_op_name[CNS_OP_COUNT] = {
+#define OP(name, text, operands, recurrence) text,
+#include "operations.def"
+#undef OP
+};
+
+const int cns_op_operands[CNS_OP_COUNT] = {
+#define OP(name, text, operands, recurrence) operands,
+#include "operations.def"
+#undef OP
+};
+
+static void *grow(cns_program *p, void *array, int count, int *capacity, size_t size)
+{
+    if (count < *capacity)
+        return array;
+    int wanted = *capacity ? 2 * *capacity : 32;
+    void *larger = realloc(array, (size_t)wanted * size);
+    if (!larger) {
+        if (!p->error.code)
+            cns_fail(&p->error, CNS_NUMERIC, "out of memory");
+        return NULL;
+    }
+    *capacity = wanted;
+    return larger;
+}
+
+cns_program *cns_program_new(int n_states, int n_parameters, const cns_number *parameters,
+                             const cns_program_options *options)
+{
+    cns_program *p = calloc(1, sizeof *p);
+    if (!p)
+        return NULL;
+    size_t n = (size_t)n_states + 1;
+    p->parameters = calloc((size_t)n_parameters + 1, sizeof *p->parameters);
+    p->derivative = malloc(n * sizeof *p->derivative);
+    p->factor = malloc(n * sizeof *p->factor);
+    p->state_node = malloc(n * sizeof *p->state_node);
+    p->dynamic = calloc(n, sizeof *p->dynamic);
+    p->hash_size = 256;
+    p->hash = calloc((size_t)p->hash_size, sizeof *p->hash);
+    cns_number_init(&p->smooth);
+    if (p->parameters)
+        for (; p->n_parameters < n_parameters; p->n_parameters++) {
+            cns_number_init(&p->parameters[p->n_parameters]);
+            cns_number_set(&p->parameters[p->n_parameters], &parameters[p->n_parameters]);
+        }
+    if (!p->parameters || !p->derivative || !p->factor || !p->state_node || !p->dynamic || !p->hash) {
+        cns_program_free(p);
+        return NULL;
+    }
+    p->n_states = n_states;
+    for (int i = 0; i < n_states; i++)
+        p->derivative[i] = p->factor[i] = p->state_node[i] = -1;
+    if (options && options->smooth) {
+        p->is_smooth = true;
+        cns_number_set(&p->smooth, options->smooth);
+    }
+    return p;
+}
+
+void cns_program_free(cns_program *p)
+{
+    if (!p)
+        return;
+    for (int i = 0; i < p->n_parameters; i++)
+        cns_number_clear(&p->parameters[i]);
+    for (int i = 0; i < p->n_constants; i++)
+        cns_number_clear(&p->constants[i]);
+    cns_number_clear(&p->smooth);
+    free(p->parameters);
+    free(p->constants);
+    free(p->node);
+    free(p->hash);
+    free(p->derivative);
+    free(p->factor);
+    free(p->state_node);
+    free(p->dynamic);
+    free(p->output);
+    free(p->watch);
+    free(p);
+}
+
+static unsigned node_hash(const cns_tape_node *n)
+{
+    unsigned h = 2166136261u ^ (unsigned)n->op;
+    for (int i = 0; i < 4; i++)
+        h = (h ^ (unsigned)(n->arg[i] + 1)) * 16777619u;
+    return (h ^ (unsigned)n->index) * 16777619u;
+}
+
+static bool rehash(cns_program *p)
+{
+    int size = 2 * p->hash_size;
+    int *table = calloc((size_t)size, sizeof *table);
+    if (!table) {
+        cns_fail(&p->error, CNS_NUMERIC, "out of memory");
+        return false;
+    }
+    for (int i = 0; i < p->n_nodes; i++) {
+        unsigned h = node_hash(&p->node[i]) & (unsigned)(size - 1);
+        while (table[h])
+            h = (h + 1) & (unsigned)(size - 1);
+        table[h] = i + 1;
+    }
+    free(p->hash);
+    p->hash = table;
+    p->hash_size = size;
+    return true;
+}
+
+/* The node with this operation and these operands, an earlier one if there is one. */
+cns_node cns_intern(cns_program *p, cns_op op, int index, int a, int b, int c, int d)
+{
+    int arg[4] = {a, b, c, d};
+    cns_tape_node n = {.op = op, .index = index, .constant = true};
+    if (p->error.code)
+        return -1;
+    if (p->finished) {
+        cns_fail(&p->error, CNS_NUMERIC, "a finished program cannot be extended");
+        return -1;
+    }
+    for (int i = 0; i < 4; i++) {
+        bool wanted = i < cns_op_operands[op];
+        if (wanted && (arg[i] < 0 || arg[i] >= p->n_nodes)) {
+            cns_fail(&p->error, CNS_NUMERIC, "operand %d of '%s' is not a node of this program", i + 1,
+                     cns_op_name[op]);
+            return -1;
+        }
+        n.arg[i] = wanted ? arg[i] : -1;
+        if (wanted && !p->node[arg[i]].constant)
+            n.constant = false;
+    }
+    if (op == CNS_OP_STATE)
+        n.constant = false;
+    unsigned mask = (unsigned)(p->hash_size - 1), h = node_hash(&n) & mask;
+    for (; p->hash[h]; h = (h + 1) & mask) {
+        const cns_tape_node *m = &p->node[p->hash[h] - 1];
+        if (m->op == n.op && m->index == n.index && !memcmp(m->arg, n.arg, sizeof n.arg))
+            return p->hash[h] - 1;
+    }
+    cns_tape_node *array = grow(p, p->node, p->n_nodes, &p->nodes_capacity, sizeof *p->node);
+    if (!array)
+        return -1;
+    p->node = array;
+    p->node[p->n_nodes++] = n;
+    p->hash[h] = p->n_nodes;
+    if (2 * p->n_nodes > p->hash_size && !rehash(p))
+        return -1;
+    return p->n_nodes - 1;
+}
+
+static bool is_constant(const cns_program *p, cns_node a)
+{
+    return a >= 0 && a < p->n_nodes && p->node[a].constant;
+}
+
+static cns_node commutative(cns_program *p, cns_op op, cns_node a, cns_node b)
+{
+    return a <= b ? cns_intern(p, op, 0, a, b, -1, -1) : cns_intern(p, op, 0, b, a, -1, -1);
+}
+
+cns_node cns_state(cns_program *p, int i)
+{
+    if (i < 0 || i >= p->n_states) {
+        if (!p->error.code)
+            cns_fail(&p->error, CNS_NUMERIC, "state %d does not exist", i);
+        return -1;
+    }
+    return p->state_node[i] = cns_intern(p, CNS_OP_STATE, i, -1, -1, -1, -1);
+}
+
+cns_node cns_parameter(cns_program *p, int i)
+{
+    if (i < 0 || i >= p->n_parameters) {
+        if (!p->error.code)
+            cns_fail(&p->error, CNS_NUMERIC, "parameter %d does not exist", i);
+        return -1;
+    }
+    return cns_intern(p, CNS_OP_PARAMETER, i, -1, -1, -1, -1);
+}
+
+cns_node cns_constant(cns_program *p, const char *text)
+{
+    if (p->error.code)
+        return -1;
+    cns_number x;
+    cns_number_init(&x);
+    if (cns_number_parse(&x, text, &p->error)) {
+        cns_number_clear(&x);
+        return -1;
+    }
+    for (int i = 0; i < p->n_constants; i++)
+        if (p->constants[i].pi_power == x.pi_power && mpq_equal(p->constants[i].ratio, x.ratio)) {
+            cns_number_clear(&x);
+            return cns_intern(p, CNS_OP_CONSTANT, i, -1, -1, -1, -1);
+        }
+    cns_number *array = grow(p, p->constants, p->n_constants, &p->constants_capacity, sizeof *p->constants);
+    if (!array) {
+        cns_number_clear(&x);
+        return -1;
+    }
+    p->constants = array;
+    p->constants[p->n_constants++] = x;
+    return cns_intern(p, CNS_OP_CONSTANT, p->n_constants - 1, -1, -1, -1, -1);
+}
+
+cns_node cns_add(cns_program *p, cns_node a, cns_node b)
+{
+    return commutative(p, CNS_OP_ADD, a, b);
+}
+
+cns_node cns_sub(cns_program *p, cns_node a, cns_node b)
+{
+    return cns_intern(p, CNS_OP_SUB, 0, a, b, -1, -1);
+}
+
+cns_node cns_neg(cns_program *p, cns_node a)
+{
+    if (a >= 0 && a < p->n_nodes && p->node[a].op == CNS_OP_NEG)
+        return p->node[a].arg[0];
+    return cns_intern(p, CNS_OP_NEG, 0, a, -1, -1, -1);
+}
+
+static bool is_abs_of(const cns_program *p, cns_node a, cns_node b)
+{
+    return a >= 0 && a < p->n_nodes && p->node[a].op == CNS_OP_ABS && p->node[a].arg[0] == b;
+}
+
+cns_node cns_mul(cns_program *p, cns_node a, cns_node b)
+{
+    if (a == b)
+        return cns_sqr(p, a);
+    bool ca = is_constant(p, a), cb = is_constant(p, b);
+    if (ca && !cb)
+        return cns_intern(p, CNS_OP_SCALE, 0, a, b, -1, -1);
+    if (cb && !ca)
+        return cns_intern(p, CNS_OP_SCALE, 0, b, a, -1, -1);
+    /* |u| u is the held sign times u^2: half a product. */
+    if (is_abs_of(p, a, b))
+        return cns_signed(p, a, cns_sqr(p, b));
+    if (is_abs_of(p, b, a))
+        return cns_signed(p, b, cns_sqr(p, a));
+    return commutative(p, CNS_OP_MUL, a, b);
+}
+
+cns_node cns_sqr(cns_program *p, cns_node a)
+{
+    return cns_intern(p, CNS_OP_SQR, 0, a, -1, -1, -1);
+}
+
+cns_node cns_div(cns_program *p, cns_node a, cns_node b)
+{
+    if (is_constant(p, b) && !is_constant(p, a))
+        return cns_mul(p, cns_intern(p, CNS_OP_DIV, 0, cns_constant(p, "1"), b, -1, -1), a);
+    return cns_intern(p, CNS_OP_DIV, 0, a, b, -1, -1);
+}
+
+cns_node cns_sqrt(cns_program *p, cns_node a)
+{
+    if (a >= 0 && a < p->n_nodes && p->node[a].op == CNS_OP_SQR) /* sqrt(u^2) is |u|, kink and all */
+        return cns_intern(p, CNS_OP_ABS, 0, p->node[a].arg[0], -1, -1, -1);
+    return cns_intern(p, CNS_OP_SQRT, 0, a, -1, -1, -1);
+}
+
+cns_node cns_hypot(cns_program *p, cns_node a, cns_node b)
+{
+    if (a > b) {
+        cns_node swap = a;
+        a = b;
+        b = swap;
+    }
+    return cns_intern(p, CNS_OP_HYPOT, 0, a, b, cns_sqr(p, a), cns_sqr(p, b));
+}
+
+static cns_node euler(cns_program *p, cns_node a)
+{
+    return cns_intern(p, CNS_OP_EULER, 0, a, -1, -1, -1);
+}
+
+/* A sine is followed by its cosine, a logarithm and a power by the Euler derivative of their own result:
+ * the recurrences find these companions at the next index. They are made together, so if the first
+ * exists already, so does the second. */
+void cns_sincos(cns_program *p, cns_node a, cns_node *sin_a, cns_node *cos_a)
+{
+    cns_node du = euler(p, a);
+    *sin_a = cns_intern(p, CNS_OP_SIN, 0, a, du, -1, -1);
+    *cos_a = cns_intern(p, CNS_OP_COS, 0, a, du, *sin_a, -1);
+}
+
+cns_node cns_exp(cns_program *p, cns_node a)
+{
+    return cns_intern(p, CNS_OP_EXP, 0, a, euler(p, a), -1, -1);
+}
+
+cns_node cns_log(cns_program *p, cns_node a)
+{
+    cns_node du = euler(p, a), w = cns_intern(p, CNS_OP_LOG, 0, a, du, -1, -1);
+    return euler(p, w) < 0 ? -1 : w;
+}
+
+cns_node cns_pow(cns_program *p, cns_node a, cns_node exponent)
+{
+    if (!p->error.code && !is_constant(p, exponent)) {
+        cns_fail(&p->error, CNS_NUMERIC, "the exponent of a power must be constant");
+        return -1;
+    }
+    cns_node du = euler(p, a), adu = cns_mul(p, exponent, du);
+    cns_node w = cns_intern(p, CNS_OP_POW, 0, a, exponent, adu, -1);
+    return euler(p, w) < 0 ? -1 : w;
+}
+
+cns_node cns_abs(cns_program *p, cns_node a)
+{
+    if (!p->is_smooth || is_constant(p, a))
+        return cns_intern(p, CNS_OP_ABS, 0, a, -1, -1, -1);
+    /* eps is the number kept by the program: constant index -1. */
+    cns_node eps = cns_intern(p, CNS_OP_CONSTANT, -1, -1, -1, -1, -1);
+    return cns_intern(p, CNS_OP_SMOOTH_ABS, 0, cns_add(p, cns_sqr(p, a), cns_sqr(p, eps)), a, eps, -1);
+}
+
+cns_node cns_signed(cns_program *p, cns_node abs_node, cns_node a)
+{
+    return cns_intern(p, CNS_OP_SIGNED, 0, abs_node, a, -1, -1);
+}
+
+void cns_derivative(cns_program *p, int i, cns_node f)
+{
+    if (p->error.code)
+        return;
+    if (i < 0 || i >= p->n_states || f < 0 || f >= p->n_nodes)
+        cns_fail(&p->error, CNS_NUMERIC, "the derivative of state %d is not a node of this program", i);
+    else
+        p->derivative[i] = f;
+}
+
+int cns_output(cns_program *p, cns_node f)
+{
+    if (p->error.code)
+        return -1;
+    if (f < 0 || f >= p->n_nodes) {
+        cns_fail(&p->error, CNS_NUMERIC, "output %d is not a node of this program", p->n_outputs);
+        return -1;
+    }
+    int *array = grow(p, p->output, p->n_outputs, &p->outputs_capacity, sizeof *p->output);
+    if (!array)
+        return -1;
+    p->output = array;
+    p->output[p->n_outputs] = f;
+    return p->n_outputs++;
+}
+
+static bool has_companion(cns_op op)
+{
+    return op == CNS_OP_SIN || op == CNS_OP_LOG || op == CNS_OP_POW;
+}
+
+/* Marks the nodes that derivatives need, companions included (whose operands are needed already). */
+static void mark_needed(cns_program *p)
+{
+    for (int i = 0; i < p->n_states; i++)
+        p->node[p->derivative[i]].needed = true;
+    for (int v = p->n_nodes - 1; v >= 0; v--)
+        for (int k = 0; k < 4; k++)
+            if (p->node[v].needed && p->node[v].arg[k] >= 0)
+                p->node[p->node[v].arg[k]].needed = true;
+    for (int v = 0; v + 1 < p->n_nodes; v++)
+        if (p->node[v].needed && has_companion(p->node[v].op))
+            p->node[v + 1].needed = true;
+}
+
+/* The states that node f is made of. */
+static void states_of(const cns_program *p, cns_node f, bool *seen, bool *states)
+{
+    memset(seen, 0, (size_t)p->n_nodes * sizeof *seen);
+    memset(states, 0, (size_t)p->n_states * sizeof *states);
+    seen[f] = true;
+    for (int v = f; v >= 0; v--)
+        if (seen[v]) {
+            const cns_tape_node *n = &p->node[v];
+            if (n->op == CNS_OP_STATE)
+                states[n->index] = true;
+            for (int k = 0; k < 4; k++)
+                if (n->arg[k] >= 0)
+                    seen[n->arg[k]] = true;
+        }
+}
+
+/* A state is passive when only passive states, and not itself, feed on it. */
+static bool mark_dynamic(cns_program *p)
+{
+    int n = p->n_states;
+    bool *seen = calloc((size_t)p->n_nodes + 1, sizeof *seen);
+    bool *feeds = calloc((size_t)n * (size_t)n + 1, sizeof *feeds); /* feeds[j n + i]: i appears in x_j' */
+    if (!seen || !feeds) {
+        free(seen);
+        free(feeds);
+        return false;
+    }
+    for (int j = 0; j < n; j++) {
+        states_of(p, p->derivative[j], seen, feeds + (size_t)j * (size_t)n);
+        p->dynamic[j] = false;
+    }
+    /* Transitive closure; a state is dynamic if it reaches a state that reaches itself. */
+    for (int k = 0; k < n; k++)
+        for (int j = 0; j < n; j++)
+            if (feeds[j * n + k])
+                for (int i = 0; i < n; i++)
+                    if (feeds[k * n + i])
+                        feeds[j * n + i] = true;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            if (feeds[j * n + j] && (i == j || feeds[j * n + i]))
+                p->dynamic[i] = true;
+    free(seen);
+    free(feeds);
+    return true;
+}
+
+/* May operand k of operation op be added to the accumulator instead of being stored? */
+static bool accumulates(cns_op op, int k)
+{
+    switch (op) {
+    case CNS_OP_ADD:
+    case CNS_OP_SUB:
+    case CNS_OP_NEG:
+        return true;
+    case CNS_OP_DIV:
+        return k == 0;
+    case CNS_OP_SCALE:
+        return k == 1;
+    case CNS_OP_HYPOT:
+        return k >= 2;
+    default:
+        return false;
+    }
+}
+
+/* Sums and products with one user, which only accumulates them, are folded into it; and a constant
+ * factor of a whole derivative is left to the step from f to the next coefficient of the state. */
+static void fold(cns_program *p)
+{
+    bool *stored = calloc((size_t)p->n_nodes + 1, sizeof *stored);
+    if (!stored) {
+        cns_fail(&p->error, CNS_NUMERIC, "out of memory");
+        return;
+    }
+    for (int i = 0; i < p->n_states; i++)
+        p->node[p->derivative[i]].uses++;
+    for (int v = 0; v < p->n_nodes; v++)
+        if (p->node[v].needed && !p->node[v].constant)
+            for (int k = 0; k < 4; k++) {
+                int a = p->node[v].arg[k];
+                if (a < 0)
+                    continue;
+                p->node[a].uses++;
+                if (!accumulates(p->node[v].op, k))
+                    stored[a] = true;
+            }
+    for (int v = 0; v < p->n_nodes; v++) {
+        cns_tape_node *n = &p->node[v];
+        bool bilinear = n->op == CNS_OP_ADD || n->op == CNS_OP_SUB || n->op == CNS_OP_NEG ||
+                        n->op == CNS_OP_MUL || n->op == CNS_OP_SQR || n->op == CNS_OP_SIGNED ||
+                        (n->op == CNS_OP_SCALE && !p->node[n->arg[1]].folded);
+        n->folded = bilinear && !n->constant && n->needed && n->uses == 1 && !stored[v];
+    }
+    for (int i = 0; i < p->n_states; i++) {
+        cns_tape_node *n = &p->node[p->derivative[i]];
+        if (n->op == CNS_OP_SCALE && !n->constant && n->uses == 1) {
+            n->folded = true; /* nobody computes it: the derivative is taken from its operand */
+            p->factor[i] = n->arg[0];
+            p->derivative[i] = n->arg[1];
+        }
+    }
+    free(stored);
+}
+
+static bool find_watched(cns_program *p)
+{
+    p->watch = calloc((size_t)p->n_nodes + 1, sizeof *p->watch);
+    if (!p->watch)
+        return false;
+    for (int v = 0; v < p->n_nodes; v++) {
+        const cns_tape_node *n = &p->node[v];
+        if (n->needed && !n->constant &&
+            (n->op == CNS_OP_ABS || n->op == CNS_OP_SMOOTH_ABS || n->op == CNS_OP_SQRT ||
+             n->op == CNS_OP_HYPOT))
+            p->watch[p->n_watch++] = v;
+    }
+    return true;
+}
+
+cns_code cns_program_finish(cns_program *p, cns_error *err)
+{
+    for (int i = 0; i < p->n_states && !p->error.code; i++)
+        if (p->derivative[i] < 0)
+            cns_fail(&p->error, CNS_NUMERIC, "state %d has no derivative", i);
+    if (!p->error.code && !p->finished) {
+        mark_needed(p);
+        if (!mark_dynamic(p) || !find_watched(p))
+            cns_fail(&p->error, CNS_NUMERIC, "out of memory");
+        else
+            fold(p);
+        p->finished = true;
+    }
+    if (p->error.code)
+        return cns_fail(err, p->error.code, "%s", p->error.text);
+    return CNS_OK;
+}
+
+void cns_program_print(const cns_program *p, FILE *out)
+{
+    for (int v = 0; v < p->n_nodes; v++) {
+        const cns_tape_node *n = &p->node[v];
+        fprintf(out, "%%%d = %s", v, cns_op_name[n->op]);
+        if (n->op == CNS_OP_STATE || n->op == CNS_OP_PARAMETER)
+            fprintf(out, " %d", n->index);
+        if (n->op == CNS_OP_CONSTANT)
+            fprintf(out, " %s", n->index < 0 ? p->smooth.text : p->constants[n->index].text);
+        if (n->op == CNS_OP_PARAMETER)
+            fprintf(out, " (%s)", p->parameters[n->index].text);
+        for (int k = 0; k < 4 && n->arg[k] >= 0; k++)
+            fprintf(out, " %%%d", n->arg[k]);
+        if (p->finished)
+            fprintf(out, "%s%s%s", n->constant ? "  ; constant" : "", n->folded ? "  ; folded" : "",
+                    n->needed || n->constant ? "" : "  ; output only");
+        fputc('\n', out);
+    }
+    for (int i = 0; i < p->n_states; i++) {
+        fprintf(out, "state %d' = ", i);
+        if (p->factor[i] >= 0)
+            fprintf(out, "%%%d * ", p->factor[i]);
+        fprintf(out, "%%%d%s\n", p->derivative[i], p->finished && !p->dynamic[i] ? "  ; passive" : "");
+    }
+    for (int i = 0; i < p->n_outputs; i++)
+        fprintf(out, "output %d = %%%d\n", i, p->output[i]);
+}
+
+bool cns_program_is_dynamic(const cns_program *p, int i)
+{
+    return p->dynamic[i];
+}
+
+int cns_program_states(const cns_program *p)
+{
+    return p->n_states;
+}
+
+int cns_program_outputs(const cns_program *p)
+{
+    return p->n_outputs;
+}
+
+bool cns_program_is_smooth(const cns_program *p)
+{
+    return p->is_smooth;
+}

@@ -1,0 +1,158 @@
+# Files that are no case files: each is refused at once, in small memory, with one message.
+
+= a file that is not there
+$ cns run nowhere.yaml
+2> re:nowhere\.yaml.*No such file
+? 4
+
+= a directory
+$ mkdir d; cns run d
+2> re:d.*directory
+? 4
+
+= an empty file
+$ : > bad.yaml; cns run bad.yaml
+2> re:^bad.yaml:
+2> ...
+? 2
+
+= only a comment
+$ echo '# nothing' > bad.yaml; cns run bad.yaml
+2> re:^bad.yaml:
+2> ...
+? 2
+
+= a scalar
+$ echo apw > bad.yaml; cns run bad.yaml
+2> re:^bad.yaml:1:1: 
+? 2
+
+= a list
+$ echo '[apw]' > bad.yaml; cns run bad.yaml
+2> re:^bad.yaml:1:1: 
+? 2
+
+= broken syntax
+$ cat > bad.yaml; cns run bad.yaml
+| model: apw
+| time: {end: 300
+| goal: {decimals: 10}
+2> re:^bad.yaml:3:[0-9]+: 
+? 2
+
+= two documents
+$ cat > bad.yaml; cns run bad.yaml
+| model: apw
+| time: {end: 1, every: 1}
+| goal: {decimals: 10}
+| ---
+| model: apw
+2> re:^bad.yaml:4:1: .*document
+? 2
+
+= a binary file
+$ cp "$CNS" bad.yaml; cns run bad.yaml
+2> re:^bad.yaml:
+? 2
+% 10
+
+= bytes that are not UTF-8
+$ printf 'model: a\377\376w\n' > bad.yaml; cns run bad.yaml
+2> re:^bad.yaml:[0-9]+:[0-9]+: 
+? 2
+
+= a NUL byte after a good case
+$ cat > bad.yaml; printf '\000x: 1\n' >> bad.yaml; cns check bad.yaml
+| model: apw
+| time: {end: 1, every: 1}
+| goal: {decimals: 10}
+2> re:^bad.yaml:
+? 2
+
+= a file of 100 MB
+$ truncate -s 100M bad.yaml; cns run bad.yaml
+2> re:^bad.yaml:
+? 2
+% 10
+
+= a device that never ends
+$ cns run /dev/zero
+2> re:/dev/zero
+? 2 4
+% 10
+
+= lists in lists
+$ printf 'model: ' > bad.yaml; printf '%0100000d' 0 | tr 0 '[' >> bad.yaml; cns run bad.yaml
+2> re:^bad.yaml:
+? 2
+% 10
+
+= blocks in blocks
+$ printf '%020000d' 0 | sed 's/0/- /g' > bad.yaml; cns run bad.yaml
+2> re:^bad.yaml:
+? 2
+% 10
+
+= balanced nesting under a known key
+$ { printf 'model: '; printf '%0900d' 0 | tr 0 '['; printf '%0900d\n' 0 | tr 0 ']'; } > bad.yaml; cns run bad.yaml
+2> re:^bad.yaml:1:[0-9]+: .*nested
+2> ...
+? 2
+% 10
+
+= aliases of aliases, 10^9 of them
+$ cat > bad.yaml; cns run bad.yaml
+| a: &a [x,x,x,x,x,x,x,x,x,x]
+| b: &b [*a,*a,*a,*a,*a,*a,*a,*a,*a,*a]
+| c: &c [*b,*b,*b,*b,*b,*b,*b,*b,*b,*b]
+| d: &d [*c,*c,*c,*c,*c,*c,*c,*c,*c,*c]
+| e: &e [*d,*d,*d,*d,*d,*d,*d,*d,*d,*d]
+| f: &f [*e,*e,*e,*e,*e,*e,*e,*e,*e,*e]
+| g: &g [*f,*f,*f,*f,*f,*f,*f,*f,*f,*f]
+| h: &h [*g,*g,*g,*g,*g,*g,*g,*g,*g,*g]
+| model: *h
+2> re:^bad.yaml:
+2> ...
+? 2
+% 10
+
+= an alias of itself
+$ printf 'model: &a [*a]\n' > bad.yaml; cns run bad.yaml
+2> re:^bad.yaml:
+2> ...
+? 2
+% 10
+
+= an alias of nothing
+$ printf 'model: *nothing\n' > bad.yaml; cns run bad.yaml
+2> ...
+2> re:^bad.yaml:1:8: .*nothing
+2> ...
+? 2
+
+= a merge key
+$ cat > bad.yaml; cns run bad.yaml
+| model: apw
+| time: &t {end: 1, every: 1}
+| goal: {<<: *t, decimals: 3}
+2> ...
+2> re:^bad.yaml:3:
+2> ...
+? 2
+
+= a number of a million digits
+$ cat > bad.yaml; printf 'initial: {x: %01000000d}\n' 1 >> bad.yaml; cns run bad.yaml 2>&1 | cut -c1-200
+| model: apw
+| time: {end: 1, every: 1}
+| goal: {decimals: 10}
+> re:^bad.yaml:4:[0-9]+: .*
+% 10
+
+= a key with control characters does not reach the terminal raw
+$ printf 'model: apw\n"\\e[31mred": 1\ntime: {end: 1, every: 1}\ngoal: {decimals: 3}\n' > bad.yaml
+$ cns check bad.yaml 2>&1 | grep -c "$(printf '\033')" || true
+> 0
+
+= a name with a newline and a format in it
+$ cns run "$(printf 'a%%s%%n\nb.yaml')" 2>&1 | grep -c '%s%n'
+> 1

@@ -1,0 +1,203 @@
+#include "problem.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const double unit_scales[MAX_SCALES] = {
+    1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
+    1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
+};
+
+mpfr_t *vector_new(int n, mpfr_prec_t prec)
+{
+    mpfr_t *v = malloc(((size_t)n + 1) * sizeof *v);
+    ck_assert_ptr_nonnull(v);
+    for (int i = 0; i < n; i++) {
+        mpfr_init2(v[i], prec);
+        mpfr_set_zero(v[i], 1);
+    }
+    return v;
+}
+
+void vector_free(mpfr_t *v, int n)
+{
+    for (int i = 0; i < n; i++)
+        mpfr_clear(v[i]);
+    free(v);
+}
+
+cns_number *numbers_new(int n, const char *const *texts)
+{
+    cns_number *x = malloc(((size_t)n + 1) * sizeof *x);
+    ck_assert_ptr_nonnull(x);
+    for (int i = 0; i < n; i++) {
+        cns_error err;
+        cns_number_init(&x[i]);
+        check_ok(cns_number_parse(&x[i], texts[i], &err), &err);
+    }
+    return x;
+}
+
+void numbers_free(cns_number *x, int n)
+{
+    for (int i = 0; i < n; i++)
+        cns_number_clear(&x[i]);
+    free(x);
+}
+
+void check_ok(cns_code code, const cns_error *err)
+{
+    if (code)
+        ck_abort_msg("code %d: %s", (int)code, err->text);
+}
+
+cns_program *program_new(int n_states, const char *smooth)
+{
+    cns_program_options options = {NULL};
+    cns_number *eps = smooth ? numbers_new(1, &smooth) : NULL;
+    options.smooth = eps;
+    cns_program *p = cns_program_new(n_states, 0, NULL, &options);
+    ck_assert_ptr_nonnull(p);
+    if (eps)
+        numbers_free(eps, 1);
+    return p;
+}
+
+cns_program *finished(cns_program *p)
+{
+    cns_error err;
+    check_ok(cns_program_finish(p, &err), &err);
+    return p;
+}
+
+cns_program *model_program(const char *model, const char *smooth)
+{
+    const cns_model *m = cns_model_find(model);
+    const char *texts[MAX_SCALES];
+    cns_program_options options = {NULL};
+    cns_program *p;
+    cns_error err;
+    ck_assert_ptr_nonnull(m);
+    for (int i = 0; i < m->n_parameters; i++)
+        texts[i] = m->parameters[i].standard;
+    cns_number *parameters = numbers_new(m->n_parameters, texts);
+    cns_number *eps = smooth ? numbers_new(1, &smooth) : NULL;
+    options.smooth = eps;
+    check_ok(cns_model_program(m, parameters, &options, &p, &err), &err);
+    numbers_free(parameters, m->n_parameters);
+    if (eps)
+        numbers_free(eps, 1);
+    return p;
+}
+
+cns_jet *jet_new(const cns_program *p, const cns_arith_ops *ops, int order, mpfr_prec_t prec)
+{
+    cns_jet_spec spec = {.program = p, .ops = ops, .order = order, .prec = prec};
+    cns_error err;
+    cns_jet *J = cns_jet_new(&spec, &err);
+    if (!J)
+        ck_abort_msg("no jet: %s", err.text);
+    return J;
+}
+
+cns_flow_spec taylor_spec(const cns_program *p, long digits)
+{
+    double tolerance_log2 = DECIMALS((double)digits);
+    cns_flow_spec spec = {.program = p,
+                          .scales = unit_scales,
+                          .method = CNS_METHOD_TAYLOR,
+                          .arithmetic = CNS_ARITH_MPFR,
+                          .prec = cns_digits_to_bits(digits),
+                          .order = cns_order_for(tolerance_log2),
+                          .tolerance_log2 = tolerance_log2,
+                          .safety = 0.5,
+                          .verify = true};
+    return spec;
+}
+
+cns_flow *flow_new(const cns_flow_spec *spec)
+{
+    cns_error err;
+    ck_assert_int_le(cns_program_states(spec->program), MAX_SCALES);
+    cns_flow *f = cns_flow_new(spec, &err);
+    if (!f)
+        ck_abort_msg("no flow: %s", err.text);
+    return f;
+}
+
+cns_flow *flow_started(const cns_flow_spec *spec, const char *const *initial)
+{
+    int n = cns_program_states(spec->program);
+    cns_flow *f = flow_new(spec);
+    cns_number *x = numbers_new(n, initial);
+    cns_flow_start(f, x);
+    numbers_free(x, n);
+    return f;
+}
+
+cns_code try_flow_to(cns_flow *f, const char *t, mpfr_t *x, cns_error *err)
+{
+    cns_number *time = numbers_new(1, &t);
+    cns_code code = CNS_OK;
+    while (!code && mpfr_cmp_q(cns_flow_end(f), time->ratio) < 0) {
+        ck_assert_msg(cns_flow_steps(f) < 1000000, "too many steps");
+        code = cns_flow_step(f, err);
+    }
+    if (!code)
+        cns_flow_eval(f, time->ratio, x);
+    numbers_free(time, 1);
+    return code;
+}
+
+void flow_to(cns_flow *f, const char *t, mpfr_t *x)
+{
+    cns_error err;
+    check_ok(try_flow_to(f, t, x, &err), &err);
+}
+
+double log2_of(const mpfr_t x)
+{
+    long e;
+    if (mpfr_zero_p(x))
+        return -HUGE_VAL;
+    double m = fabs(mpfr_get_d_2exp(&e, x, MPFR_RNDN));
+    return log2(m) + (double)e;
+}
+
+double log2_distance(const mpfr_t x, const mpfr_t y)
+{
+    mpfr_t d;
+    mpfr_prec_t prec = mpfr_get_prec(x) > mpfr_get_prec(y) ? mpfr_get_prec(x) : mpfr_get_prec(y);
+    if (!mpfr_number_p(x) || !mpfr_number_p(y))
+        return HUGE_VAL;
+    mpfr_init2(d, prec);
+    mpfr_sub(d, x, y, MPFR_RNDN);
+    double l = log2_of(d);
+    mpfr_clear(d);
+    return l;
+}
+
+void reference_row(const char *table, const char *t, mpfr_t *x, int n)
+{
+    char path[512], line[4096];
+    const char *tests = getenv("CNS_TESTS");
+    size_t length = strlen(t);
+    snprintf(path, sizeof path, "%s/reference/%s", tests && *tests ? tests : "tests", table);
+    FILE *in = fopen(path, "r");
+    ck_assert_msg(in != NULL, "%s: cannot be opened", path);
+    while (fgets(line, sizeof line, in)) {
+        if (strncmp(line, t, length) || line[length] != ',')
+            continue;
+        char *value = line + length;
+        for (int i = 0; i < n; i++) {
+            ck_assert_msg(*value == ',', "%s: row %s is short", path, t);
+            mpfr_strtofr(x[i], value + 1, &value, 10, MPFR_RNDN);
+        }
+        fclose(in);
+        return;
+    }
+    fclose(in);
+    ck_abort_msg("%s: no row %s", path, t);
+}
