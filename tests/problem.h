@@ -55,7 +55,7 @@ double log2_distance(const mpfr_t x, const mpfr_t y); /* log2 |x - y| */
         }                                                                                                    \
     } while (0)
 
-#define DECIMALS(d) (-(d) * 3.3219280948873623479)
+#define DECIMALS(d) (-(d)*3.3219280948873623479)
 
 /* The n values after t in the row of time t of tests/reference/TABLE. */
 void reference_row(const char *table, const char *t, mpfr_t *x, int n);

@@ -35,6 +35,13 @@ typedef struct cns_arith_spec {
 typedef struct cns_arith_ops {
     const char *name;
 
+    /* True: coefficients carry an absolute error, the expansion wants H near the step to come, so that they
+     * fall by some three bits per order, and it serves tau <= 1 only. noise_log2 then tells, after an
+     * expansion, log2 of a bound on the error of a state's coefficients; it is HUGE_VAL where the expansion
+     * failed. NULL otherwise: the error is that of the precision. */
+    bool in_steps;
+    double (*noise_log2)(const cns_arith *A);
+
     cns_arith *(*create)(const cns_arith_spec *spec, cns_error *err); /* NULL: out of memory or range */
     void (*destroy)(cns_arith *A);
 
@@ -72,6 +79,7 @@ typedef struct cns_arith_ops {
     void (*function)(cns_arith *A, cns_function f, int w, int w2, int a, int b);
 } cns_arith_ops;
 
+extern const cns_arith_ops cns_arith_fast;   /* block fixed point; kernel by CNS_KERNEL */
 extern const cns_arith_ops cns_arith_mpfr;   /* every operation correctly rounded; the reference */
 extern const cns_arith_ops cns_arith_double; /* IEEE double; functions correctly rounded through MPFR */
 extern const cns_arith_ops cns_arith_libm;   /* the same with the C library's functions: not the same

@@ -20,6 +20,7 @@ typedef enum cns_method {
 } cns_method;
 
 typedef enum cns_arithmetic {
+    CNS_ARITH_FAST,  /* block fixed point, and MPFR where that does not fit; Taylor only */
     CNS_ARITH_MPFR,  /* every operation correctly rounded to prec bits */
     CNS_ARITH_DOUBLE /* IEEE double; functions by the C library */
 } cns_arithmetic;

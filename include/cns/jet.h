@@ -21,10 +21,14 @@ typedef struct cns_jet_spec {
     const cns_arith_ops *ops;
     int order; /* highest order of the states, >= 1 */
     mpfr_prec_t prec;
-    bool outputs;  /* also compute what only outputs need */
-    int registers; /* extra series for the caller's use (Runge-Kutta stages) */
+    mpfr_prec_t sharp_prec; /* the precision by which smoothing counts as sharp; 0: prec */
+    bool outputs;           /* also compute what only outputs need */
+    int registers;          /* extra series for the caller's use (Runge-Kutta stages) */
 } cns_jet_spec;
 
+/* Smoothing of abs() changes a solution by some eps^2, and by eps^1.5 at a zero that only touches. Where that
+ * is far below 2^-sharp_prec, sqrt(u^2 + eps^2) is expanded as |u|, kink and landing and all: it could not be
+ * told from it, and a zero of u known to 2^-prec could not be approached to a distance of eps. */
 cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err);
 void cns_jet_free(cns_jet *J);
 

@@ -1,4 +1,5 @@
 /* The time loop's one step, for every method: time, grid of a fixed step, and the check of the derivative. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "cns/integrate.h"
@@ -38,7 +39,7 @@ const cns_arith_ops *cns_flow_arith(const cns_flow_spec *spec)
 {
     if (spec->arithmetic == CNS_ARITH_DOUBLE)
         return spec->portable ? &cns_arith_double : &cns_arith_libm;
-    return &cns_arith_mpfr;
+    return spec->arithmetic == CNS_ARITH_FAST ? &cns_arith_fast : &cns_arith_mpfr;
 }
 
 mpfr_t *cns_vector_new(int n, mpfr_prec_t prec)
@@ -60,6 +61,10 @@ void cns_vector_free(mpfr_t *v, int n)
 
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
 {
+    if (spec->method == CNS_METHOD_RK4 && !spec->step) {
+        cns_fail(err, CNS_USAGE, "the Runge-Kutta method needs a fixed step");
+        return NULL;
+    }
     cns_flow *f = calloc(1, sizeof *f);
     if (!f) {
         cns_fail(err, CNS_NUMERIC, "out of memory");
@@ -86,8 +91,11 @@ cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
         mpq_set(f->step, spec->step->ratio);
     f->stepper = f->ops->create(&f->spec, err);
     if (f->stepper && spec->verify && f->ops->derivative) {
-        cns_jet_spec check = {
-            .program = spec->program, .ops = &cns_arith_mpfr, .order = 1, .prec = prec + CHECK_BITS};
+        cns_jet_spec check = {.program = spec->program,
+                              .ops = &cns_arith_mpfr,
+                              .order = 1,
+                              .prec = prec + CHECK_BITS,
+                              .sharp_prec = prec};
         f->check = cns_jet_new(&check, err);
     }
     if (!f->stepper || (spec->verify && f->ops->derivative && !f->check)) {
@@ -126,6 +134,18 @@ void cns_flow_start(cns_flow *f, const cns_number *initial)
     f->ops->start(f->stepper);
 }
 
+static cns_code mismatch(const cns_flow *f, int i, cns_error *err)
+{
+    char difference[64], tolerance[64]; /* in MPFR: doubles do not reach down there */
+    mpfr_snprintf(difference, sizeof difference, "%.2Re", f->difference);
+    mpfr_snprintf(tolerance, sizeof tolerance, "%.2Re", f->tolerance);
+    return cns_fail(
+        err, CNS_NUMERIC,
+        "t = %.12g: the derivative of state %d differs from the right-hand side by %s, more than the %s "
+        "that rounding and truncation allow: a wrong branch of abs() or sqrt(), or a wrong constant",
+        mpfr_get_d(f->t1, MPFR_RNDN), i, difference, tolerance);
+}
+
 /* The derivative of the dense output at the end of the step against f evaluated there with true abs() and
  * sqrt(), in more bits and with constants of its own: a mismatch is an error of branch or of constants. */
 static cns_code verify(cns_flow *f, cns_error *err)
@@ -142,15 +162,19 @@ static cns_code verify(cns_flow *f, cns_error *err)
         cns_jet_coefficient(f->check, f->difference, i, 1);
         mpfr_sub(f->difference, f->difference, f->derivative[i], MPFR_RNDN);
         if (mpfr_cmpabs(f->difference, f->tolerance) > 0)
-            return cns_fail(
-                err, CNS_NUMERIC,
-                "t = %.12g: the derivative of state %d differs from the right-hand side by %.2e, more "
-                "than the %.2e that rounding and truncation allow: a wrong branch of abs() or sqrt(), "
-                "or a wrong constant",
-                mpfr_get_d(f->t1, MPFR_RNDN), i, mpfr_get_d(f->difference, MPFR_RNDN),
-                mpfr_get_d(f->tolerance, MPFR_RNDN));
+            return mismatch(f, i, err);
     }
     return CNS_OK;
+}
+
+/* Tolerances are relative to the scale of a state, so one that leaves it by as many digits as half of those
+ * carried is lost; near a pole the steps would shrink for ever instead. */
+static bool runs_away(const cns_flow *f, int i)
+{
+    int scale;
+    frexp(f->spec.scales[i], &scale);
+    return cns_program_is_dynamic(f->spec.program, i) && mpfr_regular_p(f->x1[i]) &&
+           mpfr_get_exp(f->x1[i]) - scale > f->spec.prec / 2;
 }
 
 cns_code cns_flow_step(cns_flow *f, cns_error *err)
@@ -192,6 +216,8 @@ cns_code cns_flow_step(cns_flow *f, cns_error *err)
         if (!mpfr_number_p(f->x1[i]))
             return cns_fail(err, CNS_NUMERIC, "t = %.12g: state %d is not a finite number after the step", t,
                             i);
+        else if (runs_away(f, i))
+            return cns_fail(err, CNS_NUMERIC, "t = %.12g: state %d grows without bound: a pole", t, i);
     f->steps++;
     f->events += f->last.landed;
     return f->check ? verify(f, err) : CNS_OK;

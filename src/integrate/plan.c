@@ -99,6 +99,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
     cns_trajectory_spec spec = {.flow = cns_taylor_spec(p, DOUBLE_DIGITS),
                                 .initial = p->initial,
                                 .outputs = cns_wants_outputs(p) && goal->places == CNS_PLACES_SIGNIFICANT,
+                                .deadline = goal->max_time > 0 ? cns_seconds() + goal->max_time : 0,
                                 .unit_noise = -1e-9}; /* one unit per step */
     spec.flow.arithmetic = CNS_ARITH_DOUBLE;
     spec.flow.portable = true;
@@ -146,7 +147,8 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         need = fmax(need, (double)goal->count + extra_places(p, goal, &s) + g);
     }
     if (code == CNS_STOPPED) {
-        *err = failure;
+        code = cns_trajectory_late(t) ? cns_fail(err, CNS_UNREACHED, "max_time is used up while planning")
+                                      : cns_fail(err, CNS_STOPPED, "%s", failure.text);
     } else {
         /* A preliminary run that failed tells what it could; the run itself will tell why. */
         code = CNS_OK;

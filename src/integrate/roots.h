@@ -8,7 +8,7 @@
 
 #include "cns/status.h"
 
-/* Finds the first sign change in (0, h] of p(t) = sum_{k=0..degree} p[k] t^k, p[0] != 0.
+/* Finds the first sign change inside (0, h) of p(t) = sum_{k=0..degree} p[k] t^k, p[0] != 0.
  *
  * Bernstein coefficients on ever smaller intervals (G. E. Collins, A. G. Akritas 1976; variation
  * diminishing) prove each interval free of roots or the polynomial monotone on it, first in few bits, with

@@ -73,17 +73,6 @@ static cns_code walk_init(walk *w, const cns_problem *p, const cns_flow_spec *fi
                                                            : cns_fail(err, CNS_NUMERIC, "out of memory");
 }
 
-/* Raises w->error to |a - b| / scale. */
-static void differ(walk *w, mpfr_srcptr a, mpfr_srcptr b, double scale)
-{
-    mpfr_sub(w->x, a, b, MPFR_RNDA);
-    mpfr_abs(w->x, w->x, MPFR_RNDN);
-    if (scale != 1)
-        mpfr_div_d(w->x, w->x, scale, MPFR_RNDU);
-    if (mpfr_number_p(w->x) && mpfr_cmp(w->x, w->error) > 0)
-        mpfr_set(w->error, w->x, MPFR_RNDN);
-}
-
 static double log2_of(mpfr_srcptr x)
 {
     long e;
@@ -93,32 +82,57 @@ static double log2_of(mpfr_srcptr x)
     return cns_log2_2exp(m, e);
 }
 
+/* Raises largest to |a - b| / scale. */
+static void differ(mpfr_t largest, mpfr_srcptr a, mpfr_srcptr b, double scale)
+{
+    mpfr_t x;
+    mpfr_init2(x, mpfr_get_prec(largest));
+    mpfr_sub(x, a, b, MPFR_RNDA);
+    mpfr_abs(x, x, MPFR_RNDN);
+    if (scale != 1)
+        mpfr_div_d(x, x, scale, MPFR_RNDU);
+    if (mpfr_number_p(x) && mpfr_cmp(x, largest) > 0)
+        mpfr_set(largest, x, MPFR_RNDN);
+    mpfr_clear(x);
+}
+
+cns_code cns_proof_explained(const cns_problem *p, const cns_sample *fine, const cns_sample *coarse, double t,
+                             cns_error *err)
+{
+    mpfr_t largest;
+    mpfr_init2(largest, 64);
+    mpfr_set_zero(largest, 1);
+    for (int i = 0; i < fine->n_states; i++)
+        if (cns_program_is_dynamic(p->program, i))
+            differ(largest, fine->state[i], coarse->state[i], p->scales[i]);
+    double noise = coarse->error_log2, difference = log2_of(largest);
+    mpfr_clear(largest);
+    if (noise == -HUGE_VAL || difference <= noise + NOISE_SLACK)
+        return CNS_OK;
+    return cns_fail(
+        err, CNS_NUMERIC,
+        "t = %.12g: the two runs of the proof differ by 10^%.1f, but noise has grown to 10^%.1f only: "
+        "this is an error, not chaos",
+        t, difference * CNS_LOG10_2, noise * CNS_LOG10_2);
+}
+
 /* Both runs to w->time; w->error becomes e. */
 static cns_code walk_to(walk *w, cns_error *err)
 {
-    const cns_program *program = w->p->program;
     cns_code code = cns_trajectory_at(w->fine, w->time, &w->s, err);
     if (code || !w->coarse)
         return code;
     code = cns_trajectory_at(w->coarse, w->time, &w->c, err);
+    if (!code && w->explain)
+        code = cns_proof_explained(w->p, &w->s, &w->c, mpq_get_d(w->time), err);
     if (code)
         return code;
+    double noise = w->c.error_log2;
     mpfr_set_zero(w->error, 1);
     for (int i = 0; i < w->s.n_states; i++)
-        if (cns_program_is_dynamic(program, i))
-            differ(w, w->s.state[i], w->c.state[i], w->p->scales[i]);
-    double noise = w->c.error_log2, difference = log2_of(w->error);
-    if (w->explain && noise > -HUGE_VAL && difference > noise + NOISE_SLACK)
-        return cns_fail(
-            err, CNS_NUMERIC,
-            "t = %.12g: the two runs of the proof differ by 10^%.1f, but noise has grown to 10^%.1f only: "
-            "this is an error, not chaos",
-            mpq_get_d(w->time), difference * CNS_LOG10_2, noise * CNS_LOG10_2);
-    mpfr_set_zero(w->error, 1);
-    for (int i = 0; i < w->s.n_states; i++)
-        differ(w, w->s.state[i], w->c.state[i], 1);
+        differ(w->error, w->s.state[i], w->c.state[i], 1);
     for (int i = 0; i < w->s.n_outputs && cns_wants_outputs(w->p); i++)
-        differ(w, w->s.output[i], w->c.output[i], 1);
+        differ(w->error, w->s.output[i], w->c.output[i], 1);
     if (w->explain && noise > log2_of(w->error)) { /* a difference can be small by accident */
         mpfr_set_d(w->x, noise, MPFR_RNDU);
         mpfr_exp2(w->error, w->x, MPFR_RNDU);
@@ -331,6 +345,7 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
     double since = cns_seconds(), deadline = goal->max_time > 0 ? since + goal->max_time : 0, shortage = 0;
     unsigned long row = 0, short_row = 0;
     int stuck = 0;
+    bool doubted = false;
     *result = (cns_result){.decimals = -1, .reached = true};
     cns_code code = cns_plan(p, goal, &result->run, err);
     while (!code) {
@@ -340,6 +355,13 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
                 goal->max_digits > CNS_PROOF_DIGITS + 4 ? goal->max_digits : CNS_PROOF_DIGITS + 4;
         result->run.proof_digits = result->run.digits - CNS_PROOF_DIGITS;
         code = attempt(p, goal, last, stuck >= 2, deadline, &row, &shortage, result, err);
+        if (code == CNS_NUMERIC && !doubted && !last) {
+            /* Digits lost in the problem itself can look like an error, or like a singularity: ask again with
+             * more before saying so. */
+            doubted = true;
+            code = CNS_OK;
+            shortage = 10 + (double)result->run.digits / 2;
+        }
         if (code || shortage <= 0) {
             result->complete = !code;
             break;

@@ -21,4 +21,9 @@ cns_flow_spec cns_taylor_spec(const cns_problem *p, long digits);
 
 bool cns_wants_outputs(const cns_problem *p);
 
+/* Is the difference of the dynamic states of two runs at time t no larger than noise times growth explain?
+ * CNS_NUMERIC, with the figures, if it is larger. */
+cns_code cns_proof_explained(const cns_problem *p, const cns_sample *fine, const cns_sample *coarse, double t,
+                             cns_error *err);
+
 #endif

@@ -1,4 +1,7 @@
-/* The Taylor method: jet, step from the last coefficients, kinks, evaluation. */
+/* The Taylor method: jet, step from the last coefficients, kinks, evaluation.
+ *
+ * Coefficients are those of an expansion in tau = (t - t0)/H, with H = 1 but for arithmetics that want it
+ * near the step. What is called tau here is in that unit, what is called h or t in the unit of time. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -9,31 +12,55 @@
 struct cns_stepper {
     cns_flow_spec spec;
     int n;
-    cns_jet *jet;
-    int order;       /* of the last expansion */
-    mpfr_t *poly;    /* its coefficients, order + 1 per state */
-    mpfr_t *watch;   /* those of one watched quantity */
-    bool *landed_on; /* watched quantities on whose zeros the last step ended */
-    mpfr_t tau, power, root, sum;
+    cns_jet *jet;     /* the one expanded last: plain or fast */
+    cns_jet *plain;   /* made when first needed, if there is a fast one */
+    cns_jet *fast;    /* NULL: the arithmetic needs no H */
+    cns_jet *scout;   /* in double, to guess the first H */
+    double H;         /* of the last expansion */
+    double next_log2; /* log2 of the step that the next expansion should allow; HUGE_VAL: no idea */
+    int order;        /* of the last expansion */
+    mpfr_t *poly;     /* its coefficients, spec.order + 1 per state */
+    mpfr_t *watch;    /* those of one watched quantity */
+    bool *landed_on;  /* watched quantities on whose zeros the last step ended */
+    mpfr_t tau, root, sum, term;
     double noise_log2;
 };
 
-enum { TESTED = 4, MAX_STEP_LOG2 = 10 };
+enum {
+    TESTED = 4,
+    MAX_STEP_LOG2 = 10,
+    SCOUT_ORDER = 24,
+    FAST_GUARD_BITS = 28, /* for block exponents above the size of the states, and for divisions */
+    NOISE_BITS = 10,      /* of the 16 guard bits, what the noise of the fast arithmetic may take */
+    FAST_TRIES = 5,
+    MAX_GAIN_LOG2 = 4, /* a step may grow by so much: coefficients below the noise tell no more */
+    MANTISSA = 24      /* bits of H and of adaptive steps: few, so that time stays exact */
+};
 
 static void destroy(cns_stepper *s)
 {
     if (!s)
         return;
-    cns_jet_free(s->jet);
+    cns_jet_free(s->plain);
+    cns_jet_free(s->fast);
+    cns_jet_free(s->scout);
     cns_vector_free(s->poly, s->n * (s->spec.order + 1));
     cns_vector_free(s->watch, s->spec.order + 1);
     free(s->landed_on);
-    mpfr_clears(s->tau, s->power, s->root, s->sum, (mpfr_ptr)0);
+    mpfr_clears(s->tau, s->root, s->sum, s->term, (mpfr_ptr)0);
     free(s);
+}
+
+static cns_jet *new_jet(const cns_stepper *s, const cns_arith_ops *ops, int order, mpfr_prec_t prec,
+                        cns_error *err)
+{
+    cns_jet_spec jet = {.program = s->spec.program, .ops = ops, .order = order, .prec = prec};
+    return cns_jet_new(&jet, err);
 }
 
 static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
 {
+    const cns_arith_ops *ops = cns_flow_arith(spec);
     cns_stepper *s = calloc(1, sizeof *s);
     if (!s) {
         cns_fail(err, CNS_NUMERIC, "out of memory");
@@ -41,10 +68,14 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
     }
     s->spec = *spec;
     s->n = cns_program_states(spec->program);
-    mpfr_inits2(spec->prec, s->tau, s->power, s->root, s->sum, (mpfr_ptr)0);
-    cns_jet_spec jet = {
-        .program = spec->program, .ops = cns_flow_arith(spec), .order = spec->order, .prec = spec->prec};
-    s->jet = cns_jet_new(&jet, err);
+    mpfr_inits2(spec->prec, s->tau, s->root, s->sum, s->term, (mpfr_ptr)0);
+    if (ops->in_steps) {
+        s->fast = new_jet(s, ops, spec->order, spec->prec + FAST_GUARD_BITS, err);
+        s->scout = s->fast ? new_jet(s, &cns_arith_double, SCOUT_ORDER, 53, err) : NULL;
+        s->jet = s->scout ? s->fast : NULL;
+    } else {
+        s->jet = s->plain = new_jet(s, ops, spec->order, spec->prec, err);
+    }
     if (!s->jet) {
         destroy(s);
         return NULL;
@@ -64,6 +95,7 @@ static void start(cns_stepper *s)
 {
     for (int w = 0; w < cns_jet_watched(s->jet); w++)
         s->landed_on[w] = false;
+    s->next_log2 = HUGE_VAL;
 }
 
 static mpfr_t *coefficients(cns_stepper *s, int i)
@@ -72,13 +104,13 @@ static mpfr_t *coefficients(cns_stepper *s, int i)
 }
 
 /* log2 of the largest |x_{i,k}| / scale_i over the dynamic states; false if all are zero. Passive states
- * do not steer steps. */
+ * do not steer steps, unless there are no others. */
 static bool norm_log2(const cns_stepper *s, int k, double *log2_norm)
 {
     bool any = false, passive_too = true;
     for (int i = 0; i < s->n; i++)
         if (cns_program_is_dynamic(s->spec.program, i))
-            passive_too = false; /* only a system without feedback lets its quadratures steer */
+            passive_too = false;
     for (int i = 0; i < s->n; i++) {
         long e;
         if (!passive_too && !cns_program_is_dynamic(s->spec.program, i))
@@ -94,14 +126,16 @@ static bool norm_log2(const cns_stepper *s, int k, double *log2_norm)
     return any;
 }
 
+/* The last four coefficients, or as many as half of a short series has. */
 static int first_tested(const cns_stepper *s)
 {
-    return s->order >= TESTED ? s->order - TESTED + 1 : 1;
+    int tested = s->order / 2 < TESTED ? (s->order + 1) / 2 : TESTED;
+    return s->order - tested + 1;
 }
 
-/* Jorba and Zou's step from the last coefficients, four of them since parity may make every second one
- * vanish: the largest h with |x_k| h^k <= tolerance for each. */
-static double step_log2(const cns_stepper *s)
+/* log2 of Jorba and Zou's step from the last coefficients, four of them since parity may make every second
+ * one vanish: the largest tau with |x_k| tau^k <= tolerance for each. */
+static double allowed_log2(const cns_stepper *s)
 {
     double best = MAX_STEP_LOG2, l;
     for (int k = first_tested(s); k <= s->order; k++)
@@ -110,13 +144,13 @@ static double step_log2(const cns_stepper *s)
     return best - s->spec.safety - 1.0 / s->order;
 }
 
-/* log2 of the truncation error at h: the last coefficients' largest term. */
-static double truncation_log2(const cns_stepper *s, double h_log2)
+/* log2 of the truncation error at tau: the last coefficients' largest term. */
+static double truncation_log2(const cns_stepper *s, double tau_log2)
 {
     double worst = -HUGE_VAL, l;
     for (int k = first_tested(s); k <= s->order; k++)
-        if (norm_log2(s, k, &l) && l + k * h_log2 > worst)
-            worst = l + k * h_log2;
+        if (norm_log2(s, k, &l) && l + k * tau_log2 > worst)
+            worst = l + k * tau_log2;
     return worst;
 }
 
@@ -127,28 +161,12 @@ static double log2_of(const mpfr_t x)
     return cns_log2_2exp(m, e);
 }
 
-/* Is it certain that the watched polynomial has no root in (0, h], because its first coefficient outweighs
- * the others? Sums of leading doubles, with a margin. */
-static bool clearly_rootless(const cns_stepper *s, const cns_watch *w, double h_mantissa, long h_exponent)
+/* 2^x, rounded down to few bits. */
+static double short_exp2(double x)
 {
-    const cns_arith_ops *ops = cns_jet_ops(s->jet);
-    const cns_arith *A = cns_jet_arith(s->jet);
-    long e0, e;
-    double lead = fabs(ops->get_2exp(A, &e0, w->series, w->zeros)), rest = 0, power = 1;
-    long power_e = 0;
-    for (int k = w->zeros + 1; k <= w->order; k++) {
-        int shift;
-        power = frexp(power * h_mantissa, &shift);
-        power_e += h_exponent + shift;
-        double m = fabs(ops->get_2exp(A, &e, w->series, k));
-        long relative = e + power_e - e0;
-        if (m == 0)
-            continue;
-        if (relative > 60)
-            return false;
-        rest += relative < -1000 ? 0 : ldexp(m * power, (int)relative);
-    }
-    return rest < 0.999 * lead;
+    long e;
+    double m = cns_exp2_2exp(x, &e);
+    return ldexp(floor(ldexp(m, MANTISSA)), (int)e - MANTISSA);
 }
 
 static void horner(mpfr_t y, mpfr_t *c, int order, const mpfr_t tau)
@@ -160,46 +178,167 @@ static void horner(mpfr_t y, mpfr_t *c, int order, const mpfr_t tau)
     }
 }
 
-/* The first root in (0, h] of a watched polynomial, into s->root. */
+/* s->tau = t / H. */
+static void set_tau(cns_stepper *s, const mpfr_t t)
+{
+    if (s->H == 1)
+        mpfr_set(s->tau, t, MPFR_RNDN);
+    else
+        mpfr_div_d(s->tau, t, s->H, MPFR_RNDN);
+}
+
+static void eval(cns_stepper *s, const mpfr_t t, mpfr_t *x)
+{
+    set_tau(s, t);
+    for (int i = 0; i < s->n; i++) {
+        horner(s->sum, coefficients(s, i), s->order, s->tau);
+        mpfr_set(x[i], s->sum, MPFR_RNDN);
+    }
+}
+
+static cns_code expand(cns_stepper *s, cns_jet *jet, int order, double H, mpfr_t *x, cns_error *err)
+{
+    s->jet = jet;
+    s->H = H;
+    cns_jet_begin(jet, H);
+    for (int i = 0; i < s->n; i++)
+        cns_jet_set_state(jet, i, x[i]);
+    for (int w = 0; w < cns_jet_watched(jet); w++)
+        if (s->landed_on[w])
+            cns_jet_set_zero(jet, w);
+    cns_code code = cns_jet_expand(jet, order, err);
+    s->order = cns_jet_order(jet);
+    return code;
+}
+
+/* A guess at the next step from a short expansion in double: its last coefficients continued to the order of
+ * the expansion to come by the rate at which they grow over its second half. */
+static bool scout(cns_stepper *s, mpfr_t *x)
+{
+    cns_error ignored;
+    double end = -HUGE_VAL, middle = -HUGE_VAL, l;
+    if (expand(s, s->scout, SCOUT_ORDER, 1, x, &ignored))
+        return false;
+    const int half = s->order / 2;
+    for (int k = first_tested(s); k <= s->order; k++)
+        if (norm_log2(s, k, &l))
+            end = fmax(end, l);
+    for (int k = first_tested(s) - half; k <= s->order - half; k++)
+        if (k > 0 && norm_log2(s, k, &l))
+            middle = fmax(middle, l);
+    if (end == -HUGE_VAL || middle == -HUGE_VAL)
+        return false;
+    double last = end + (end - middle) / half * (s->spec.order - s->order);
+    s->next_log2 = (s->spec.tolerance_log2 - last) / s->spec.order;
+    return true;
+}
+
+/* The expansion in the arithmetic that wants H. False if it does not fit: for leading zeros, for noise above
+ * the precision with any H tried, for a given step beyond what H can be. */
+static bool expand_fast(cns_stepper *s, const cns_step *step, mpfr_t *x)
+{
+    cns_error ignored;
+    if (s->next_log2 == HUGE_VAL && !scout(s, x))
+        return false;
+    for (int attempt = 0; attempt < FAST_TRIES; attempt++, s->next_log2 -= 1) {
+        double H = short_exp2(s->next_log2 < MAX_STEP_LOG2 ? s->next_log2 : MAX_STEP_LOG2);
+        if (step->limit && mpfr_cmp_d(*step->limit, H) < 0)
+            H = mpfr_get_d(*step->limit, MPFR_RNDU);
+        if (step->limit && mpfr_cmp_d(*step->limit, H) > 0)
+            return false;
+        if (expand(s, s->fast, s->spec.order, H, x, &ignored))
+            continue;
+        s->noise_log2 = cns_jet_ops(s->fast)->noise_log2(cns_jet_arith(s->fast));
+        if (s->noise_log2 <= NOISE_BITS - (double)s->spec.prec)
+            return true;
+    }
+    return false;
+}
+
+static cns_code expand_any(cns_stepper *s, const cns_step *step, mpfr_t *x, cns_error *err)
+{
+    if (s->fast && expand_fast(s, step, x))
+        return CNS_OK;
+    s->noise_log2 = -(double)s->spec.prec;
+    if (!s->plain)
+        s->plain = new_jet(s, &cns_arith_mpfr, s->spec.order, s->spec.prec, err);
+    return s->plain ? expand(s, s->plain, s->spec.order, 1, x, err) : err->code;
+}
+
+/* Is it certain that the watched polynomial has no root in (0, tau], because its first coefficient outweighs
+ * the others? Sums of leading doubles, with a margin. */
+static bool clearly_rootless(const cns_stepper *s, const cns_watch *w, double tau, long tau_exponent)
+{
+    const cns_arith_ops *ops = cns_jet_ops(s->jet);
+    const cns_arith *A = cns_jet_arith(s->jet);
+    long e0, e;
+    double lead = fabs(ops->get_2exp(A, &e0, w->series, w->zeros)), rest = 0, power = 1;
+    long power_e = 0;
+    for (int k = w->zeros + 1; k <= w->order && rest < lead; k++) {
+        int shift;
+        power = frexp(power * tau, &shift);
+        power_e += tau_exponent + shift;
+        double m = fabs(ops->get_2exp(A, &e, w->series, k));
+        long relative = e + power_e - e0;
+        if (m == 0)
+            continue;
+        if (relative > 60)
+            return false;
+        rest += relative < -1000 ? 0 : ldexp(m * power, (int)relative);
+    }
+    return rest < 0.999 * lead;
+}
+
+/* The first root within h of a watched polynomial, in tau, into s->root. Its coefficients from the first one
+ * that is not zero are left in s->watch. */
 static cns_code first_root(cns_stepper *s, const cns_watch *watch, const mpfr_t h, bool *found,
                            cns_error *err)
 {
-    long h_exponent;
-    double h_mantissa = mpfr_get_d_2exp(&h_exponent, h, MPFR_RNDN);
+    long exponent;
+    set_tau(s, h);
+    double mantissa = mpfr_get_d_2exp(&exponent, s->tau, MPFR_RNDN);
     *found = false;
-    if (watch->order <= watch->zeros || clearly_rootless(s, watch, h_mantissa, h_exponent))
+    if (watch->order <= watch->zeros || clearly_rootless(s, watch, mantissa, exponent))
         return CNS_OK;
     for (int k = watch->zeros; k <= watch->order; k++)
         cns_jet_ops(s->jet)->get(cns_jet_arith(s->jet), s->watch[k - watch->zeros], watch->series, k);
     if (mpfr_zero_p(s->watch[0]))
         return CNS_OK;
-    mpfr_set(s->tau, h, MPFR_RNDN);
     return cns_first_root(s->root, found, s->watch, watch->order - watch->zeros, s->tau, err);
 }
 
-/* A step towards a zero of u in sqrt(u^2 + eps^2) goes at most half way to the singularities beside it,
- * which are eps/|u'| off the real axis. The coefficients of the states do not show them when eps is far
- * below the tolerance, and a step past them would continue the wrong branch, -u. */
+/* Shortens h to half of a distance, in few bits, so that time stays exact. */
+static void approach(cns_stepper *s, const mpfr_t distance, mpfr_t h)
+{
+    mpfr_div_2ui(s->sum, distance, 1, MPFR_RNDN);
+    if (mpfr_cmp(s->sum, h) >= 0)
+        return;
+    mpfr_prec_round(s->sum, MANTISSA, MPFR_RNDD);
+    mpfr_set(h, s->sum, MPFR_RNDN);
+    mpfr_prec_round(s->sum, s->spec.prec, MPFR_RNDN);
+}
+
+/* A step towards a zero of u in sqrt(u^2 + eps^2), at tau = s->root, goes at most half way to the
+ * singularities beside it, which are eps/|u'| off the real axis. The coefficients of the states do not show
+ * them when eps is far below the tolerance, and a step past them would continue the wrong branch, -u. */
 static void approach_smoothed(cns_stepper *s, const cns_watch *watch, mpfr_t h)
 {
     int degree = watch->order - watch->zeros;
-    for (int k = 1; k <= degree; k++) /* u' near the zero: the deflated polynomial's will do */
+    for (int k = 1; k <= degree; k++) /* du/dtau near the zero: the deflated polynomial's will do */
         mpfr_mul_ui(s->watch[k - 1], s->watch[k], (unsigned long)k, MPFR_RNDN);
     horner(s->sum, s->watch, degree - 1, s->root);
-    cns_jet_ops(s->jet)->get(cns_jet_arith(s->jet), s->tau, watch->eps, 0);
-    mpfr_div(s->tau, s->tau, s->sum, MPFR_RNDN);
-    if (!mpfr_number_p(s->tau))
+    cns_jet_ops(s->jet)->get(cns_jet_arith(s->jet), s->term, watch->eps, 0);
+    mpfr_div(s->term, s->term, s->sum, MPFR_RNDN);
+    if (!mpfr_number_p(s->term))
         return; /* a double zero: the singularities are far away */
-    mpfr_hypot(s->tau, s->tau, s->root, MPFR_RNDN);
-    mpfr_div_2ui(s->tau, s->tau, 1, MPFR_RNDN);
-    if (mpfr_cmp(s->tau, h) < 0) {
-        mpfr_prec_round(s->tau, 24, MPFR_RNDD); /* few bits, so that time stays exact */
-        mpfr_set(h, s->tau, MPFR_RNDN);
-        mpfr_prec_round(s->tau, s->spec.prec, MPFR_RNDN);
-    }
+    mpfr_hypot(s->term, s->term, s->root, MPFR_RNDN);
+    mpfr_mul_d(s->term, s->term, s->H, MPFR_RNDN);
+    approach(s, s->term, h);
 }
 
-/* Shortens h to the first kink in (0, h] and marks what is landed on; approaches smoothed ones with care. */
+/* Shortens h to the first kink in (0, h] and marks what is landed on. Smoothed kinks are approached with
+ * care, and so are zeros of square roots: one that is near is a true singularity, or only looks like a zero
+ * to a short series, and a shorter step tells them apart. */
 static cns_code find_kink(cns_stepper *s, mpfr_t h, bool *landed, cns_error *err)
 {
     *landed = false;
@@ -214,34 +353,24 @@ static cns_code find_kink(cns_stepper *s, mpfr_t h, bool *landed, cns_error *err
             return code;
         if (!found)
             continue;
-        if (watch.kind == CNS_WATCH_ROOT)
-            return cns_fail(err, CNS_NUMERIC,
-                            "a square root reaches zero after %.6g more, where the equations are singular%s",
-                            mpfr_get_d(s->root, MPFR_RNDN),
-                            s->spec.step ? " (or the fixed step exceeds the radius of convergence)" : "");
-        bool earlier = mpfr_cmp(s->root, h) < 0;
         if (watch.kind == CNS_WATCH_SMOOTH) {
             approach_smoothed(s, &watch, h);
-            earlier = false;
+            continue;
         }
-        if (earlier)
+        mpfr_mul_d(s->root, s->root, s->H, MPFR_RNDN);
+        if (watch.kind == CNS_WATCH_ROOT) {
+            approach(s, s->root, h);
+            continue;
+        }
+        if (mpfr_cmp(s->root, h) < 0)
             for (int v = 0; v < w; v++)
                 s->landed_on[v] = false;
-        if (watch.kind == CNS_WATCH_KINK && mpfr_cmp(s->root, h) <= 0) {
+        if (mpfr_cmp(s->root, h) <= 0) {
             mpfr_set(h, s->root, MPFR_RNDN);
             *landed = s->landed_on[w] = true;
         }
     }
     return CNS_OK;
-}
-
-static void eval(cns_stepper *s, const mpfr_t tau, mpfr_t *x)
-{
-    mpfr_set(s->tau, tau, MPFR_RNDN);
-    for (int i = 0; i < s->n; i++) {
-        horner(s->sum, coefficients(s, i), s->order, s->tau);
-        mpfr_set(x[i], s->sum, MPFR_RNDN);
-    }
 }
 
 /* States that are zero where a watched quantity is become exactly zero. */
@@ -256,71 +385,60 @@ static void set_zeros(cns_stepper *s, mpfr_t *y)
 
 static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_error *err)
 {
-    cns_jet_begin(s->jet, 1);
-    for (int i = 0; i < s->n; i++)
-        cns_jet_set_state(s->jet, i, x[i]);
-    for (int w = 0; w < cns_jet_watched(s->jet); w++)
-        if (s->landed_on[w])
-            cns_jet_set_zero(s->jet, w);
-    cns_code code = cns_jet_expand(s->jet, s->spec.order, err);
+    cns_code code = expand_any(s, step, x, err);
     if (code)
         return code;
-    s->order = cns_jet_order(s->jet);
     for (int i = 0; i < s->n; i++)
         for (int k = 0; k <= s->order; k++) {
             cns_jet_coefficient(s->jet, coefficients(s, i)[k], i, k);
             if (!mpfr_number_p(coefficients(s, i)[k]))
                 return cns_fail(err, CNS_NUMERIC, "coefficient %d of state %d is out of range", k, i);
         }
-    double h_log2;
-    if (step->limit) {
+    double allowed = allowed_log2(s), H_log2 = cns_log2_2exp(s->H, 0);
+    bool in_steps = s->jet == s->fast;
+    s->next_log2 = H_log2 + (in_steps && allowed > MAX_GAIN_LOG2 ? MAX_GAIN_LOG2 : allowed);
+    if (step->limit)
         mpfr_set(step->h, *step->limit, MPFR_RNDN);
-        h_log2 = log2_of(step->h);
-    } else { /* few bits, so that time stays exact */
-        long e;
-        h_log2 = step_log2(s);
-        double m = cns_exp2_2exp(h_log2, &e);
-        mpfr_set_d(step->h, floor(ldexp(m, 24)), MPFR_RNDN);
-        mpfr_mul_2si(step->h, step->h, e - 24, MPFR_RNDN);
-    }
+    else
+        mpfr_set_d(step->h, in_steps && allowed >= 0 ? s->H : short_exp2(allowed + H_log2), MPFR_RNDN);
     code = find_kink(s, step->h, &step->landed, err);
     if (code)
         return code;
-    double truncation = truncation_log2(s, step->landed ? log2_of(step->h) : h_log2);
-    s->noise_log2 = step->noise_log2 =
-        truncation > -(double)s->spec.prec ? truncation : -(double)s->spec.prec;
+    double truncation = truncation_log2(s, log2_of(step->h) - H_log2);
+    s->noise_log2 = step->noise_log2 = fmax(truncation, fmax(s->noise_log2, -(double)s->spec.prec));
     eval(s, step->h, y);
     if (step->landed)
         set_zeros(s, y);
     return CNS_OK;
 }
 
-static void derivative(cns_stepper *s, const mpfr_t tau, mpfr_t *dx, mpfr_t tolerance)
+/* dx/dt at time t after the beginning, and a bound on its error. */
+static void derivative(cns_stepper *s, const mpfr_t t, mpfr_t *dx, mpfr_t tolerance)
 {
-    double largest = 1, h = mpfr_get_d(tau, MPFR_RNDN);
+    set_tau(s, t);
+    double tau_log2 = log2_of(s->tau), largest_log2 = tau_log2; /* of the terms of tau dx/dtau, or 1 / dt */
     for (int i = 0; i < s->n; i++) {
         mpfr_t *c = coefficients(s, i);
-        double sum = 0, power = 1;
-        mpfr_set(s->tau, tau, MPFR_RNDN);
         mpfr_set_zero(s->sum, 1);
         for (int k = s->order; k >= 1; k--) {
             mpfr_mul(s->sum, s->sum, s->tau, MPFR_RNDN);
-            mpfr_mul_ui(s->power, c[k], (unsigned long)k, MPFR_RNDN);
-            mpfr_add(s->sum, s->sum, s->power, MPFR_RNDN);
+            mpfr_mul_ui(s->term, c[k], (unsigned long)k, MPFR_RNDN);
+            mpfr_add(s->sum, s->sum, s->term, MPFR_RNDN);
+            if (!mpfr_zero_p(s->term))
+                largest_log2 = fmax(largest_log2, (double)mpfr_get_exp(s->term) + k * tau_log2);
         }
-        mpfr_set(dx[i], s->sum, MPFR_RNDN);
-        for (int k = 1; k <= s->order && power > 1e-30; k++, power *= h)
-            sum += k * fabs(mpfr_get_d(c[k], MPFR_RNDN)) * power;
-        largest = fmax(largest, sum);
+        mpfr_div_d(dx[i], s->sum, s->H, MPFR_RNDN);
     }
     /* Rounding: a few dozen operations, relative to the largest terms. Truncation: the state's error times
-     * order/h, and a factor for the tail. */
-    mpfr_set_d(tolerance, largest, MPFR_RNDU);
-    mpfr_mul_2si(tolerance, tolerance, 20 - (long)s->spec.prec, MPFR_RNDU);
+     * order/h, and room for a tail that the last coefficients belittle, as they can by a few digits where a
+     * pair of singularities makes them oscillate. The errors looked for are larger by far. */
+    mpfr_set_d(s->sum, largest_log2 + 24 - (double)s->spec.prec, MPFR_RNDU);
+    mpfr_exp2(s->sum, s->sum, MPFR_RNDU);
+    mpfr_div(tolerance, s->sum, t, MPFR_RNDU);
     mpfr_set_d(s->sum, s->noise_log2, MPFR_RNDU);
     mpfr_exp2(s->sum, s->sum, MPFR_RNDU);
-    mpfr_mul_ui(s->sum, s->sum, 64ul * (unsigned long)(s->order + 1), MPFR_RNDU);
-    mpfr_div(s->sum, s->sum, tau, MPFR_RNDU);
+    mpfr_mul_ui(s->sum, s->sum, ((unsigned long)s->order + 1) << 20, MPFR_RNDU);
+    mpfr_div(s->sum, s->sum, t, MPFR_RNDU);
     mpfr_add(tolerance, tolerance, s->sum, MPFR_RNDU);
 }
 

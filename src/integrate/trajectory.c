@@ -57,7 +57,8 @@ cns_trajectory *cns_trajectory_new(const cns_trajectory_spec *spec, cns_error *e
     bool wanted = spec->outputs && cns_program_outputs(spec->flow.program) > 0;
     if (t->growth && wanted) {
         cns_jet_spec jet = {.program = spec->flow.program,
-                            .ops = cns_flow_arith(&spec->flow),
+                            .ops = spec->flow.arithmetic == CNS_ARITH_FAST ? &cns_arith_mpfr
+                                                                           : cns_flow_arith(&spec->flow),
                             .order = OUTPUT_ORDER,
                             .prec = cns_flow_prec(t->flow),
                             .outputs = true};

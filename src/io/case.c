@@ -36,15 +36,17 @@ typedef struct key_row {
     const char *above, *below; /* open ends, as text; NULL: none */
     const char *standard;      /* for the help; NULL: there is none */
     const char *meaning;
+    bool rational; /* a multiple of pi will not do: rows and steps are counted exactly */
 } key_row;
 
-#define LIMIT_DECIMALS 10000
-#define LIMIT_DIGITS   100000
-#define LIMIT_ORDER    100000
-#define MAX_DIGITS     5000 /* default of goal.max_digits */
-#define DOUBLE_ORDER   30   /* beyond it coefficients scaled in double underflow or cancel to noise */
-#define LIMIT_ROWS     10000000L
-#define LIMIT_STEPS    "1e15" /* of a fixed step up to the end: a month of the fastest is far below */
+#define LIMIT_DECIMALS   10000
+#define LIMIT_DIGITS     100000
+#define LIMIT_ORDER      100000
+#define MAX_DIGITS       5000 /* default of goal.max_digits */
+#define LEAST_MAX_DIGITS 26   /* the second run of a proof has 22 digits fewer, and a few are needed */
+#define DOUBLE_ORDER     30   /* beyond it coefficients scaled in double underflow or cancel to noise */
+#define LIMIT_ROWS       10000000L
+#define LIMIT_STEPS      "1e15" /* of a fixed step up to the end: a month of the fastest is far below */
 
 #define TEXT_OF(x)  #x
 #define TEXT_OF2(x) TEXT_OF(x)
@@ -88,9 +90,9 @@ static const key_row rows[N_KEYS] = {
         .meaning = "the state at t = 0; those left out are 0"},
 
     [K_TIME] = {.key = "time", .kind = KEY_SECTION, .meaning = "required"},
-    [K_END] = {.section = "time", .key = "end", .kind = KEY_NUMBER, .above = "0",
+    [K_END] = {.section = "time", .key = "end", .kind = KEY_NUMBER, .above = "0", .rational = true,
         .meaning = "the last time; required"},
-    [K_EVERY] = {.section = "time", .key = "every", .kind = KEY_NUMBER, .above = "0", .standard = "end",
+    [K_EVERY] = {.section = "time", .key = "every", .kind = KEY_NUMBER, .above = "0", .rational = true, .standard = "end",
         .meaning = "rows at 0, at multiples of this and at the end"},
 
     [K_ABS] = {.key = "abs", .kind = KEY_SECTION, .words = {"exact"}, .standard = "exact",
@@ -105,7 +107,7 @@ static const key_row rows[N_KEYS] = {
     [K_SIGNIFICANT] = {.section = "goal", .key = "significant", .kind = KEY_INTEGER,
         .least = 1, .most = LIMIT_DECIMALS, .meaning = "right significant digits in every value"},
     [K_MAX_DIGITS] = {.section = "goal", .key = "max_digits", .kind = KEY_INTEGER,
-        .least = 1, .most = LIMIT_DIGITS, .standard = TEXT_OF2(MAX_DIGITS),
+        .least = LEAST_MAX_DIGITS, .most = LIMIT_DIGITS, .standard = TEXT_OF2(MAX_DIGITS),
         .meaning = "give up rather than compute with more digits"},
     [K_MAX_TIME] = {.section = "goal", .key = "max_time", .kind = KEY_NUMBER, .above = "0", .below = "1e12",
         .standard = "no limit", .meaning = "seconds after which to give up"},
@@ -122,7 +124,7 @@ static const key_row rows[N_KEYS] = {
     [K_ORDER] = {.section = "numerics", .key = "order", .kind = KEY_INTEGER, .words = {"auto"},
         .least = 1, .most = LIMIT_ORDER, .standard = "auto", .meaning = "of the Taylor series"},
     [K_STEP] = {.section = "numerics", .key = "step", .kind = KEY_NUMBER, .words = {"adaptive"},
-        .above = "0", .standard = "adaptive", .meaning = "adaptive, or the fixed step"},
+        .above = "0", .rational = true, .standard = "adaptive", .meaning = "adaptive, or the fixed step"},
     [K_TOLERANCE] = {.section = "numerics", .key = "tolerance", .kind = KEY_NUMBER, .words = {"auto"},
         .above = "0", .below = "1", .standard = "auto",
         .meaning = "local, relative to the model's scales; auto: 10^-digits"},
@@ -431,6 +433,9 @@ static void check_number(loader *l, key_id k, const cns_yaml_node *node)
     if (cns_number_parse(&v->number, node->text, &err) != CNS_OK)
         cns_faults_add(&l->faults, node->mark, "%s must be %s; %s", title_of(k).text, range_of(row).text,
                        err.text);
+    else if (row->rational && v->number.pi_power != 0)
+        cns_faults_add(&l->faults, node->mark, "%s must be a decimal or a fraction, not '%s'",
+                       title_of(k).text, cns_quote(node->text).text);
     else if (!within(&v->number, row->above, row->below))
         cns_faults_add(&l->faults, node->mark, "%s must be %s, not '%s'", title_of(k).text,
                        range_of(row).text, cns_quote(node->text).text);

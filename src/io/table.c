@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "cns/version.h"
@@ -49,6 +50,10 @@ cns_table *cns_table_open(const char *path, const cns_case *c, cns_error *err)
         memcpy(t->aside, path, length);
         memcpy(t->aside + length, ".XXXXXX", 8);
         int fd = mkstemp(t->aside);
+        mode_t mask = umask(0); /* mkstemp is for secrets; a table has the mode of any new file */
+        umask(mask);
+        if (fd >= 0)
+            fchmod(fd, 0666 & ~mask);
         t->file = fd >= 0 ? fdopen(fd, "w") : NULL;
     }
     if (!t->file) {

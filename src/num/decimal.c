@@ -29,28 +29,84 @@ char *cns_text_mpfr(mpfr_srcptr x, cns_places places, long count)
     return without_minus_zero(text);
 }
 
+/* round(|x| 10^shift) with ties to even. */
+static void round_scaled(mpz_t rounded, mpq_srcptr x, long shift)
+{
+    mpz_t factor, divisor, rest;
+    mpz_inits(factor, divisor, rest, (mpz_ptr)0);
+    mpz_ui_pow_ui(factor, 10, (unsigned long)labs(shift));
+    mpz_set(divisor, mpq_denref(x));
+    mpz_abs(rounded, mpq_numref(x));
+    if (shift >= 0)
+        mpz_mul(rounded, rounded, factor);
+    else
+        mpz_mul(divisor, divisor, factor);
+    mpz_fdiv_qr(rounded, rest, rounded, divisor);
+    mpz_mul_2exp(rest, rest, 1);
+    int half = mpz_cmp(rest, divisor);
+    if (half > 0 || (half == 0 && mpz_odd_p(rounded)))
+        mpz_add_ui(rounded, rounded, 1);
+    mpz_clears(factor, divisor, rest, (mpz_ptr)0);
+}
+
+static char *decimal_digits(const mpz_t z)
+{
+    char *digits = cns_xgrow(NULL, mpz_sizeinbase(z, 10) + 2, 1);
+    return mpz_get_str(digits, 10, z);
+}
+
+/* |x| < 10^e ? */
+static bool below_power_of_ten(mpq_srcptr x, long e)
+{
+    mpz_t a, b;
+    mpz_inits(a, b, (mpz_ptr)0);
+    mpz_abs(a, mpq_numref(x));
+    mpz_ui_pow_ui(b, 10, (unsigned long)labs(e));
+    if (e >= 0) {
+        mpz_mul(b, b, mpq_denref(x));
+    } else {
+        mpz_mul(a, a, b);
+        mpz_set(b, mpq_denref(x));
+    }
+    bool below = mpz_cmp(a, b) < 0;
+    mpz_clears(a, b, (mpz_ptr)0);
+    return below;
+}
+
+static char *significant_mpq(mpq_srcptr x, long count)
+{
+    if (mpq_sgn(x) == 0)
+        return cns_xcopy("0");
+    /* The exponent of the first digit: the sizes of numerator and denominator tell it but for two units. */
+    long e = (long)mpz_sizeinbase(mpq_numref(x), 10) - (long)mpz_sizeinbase(mpq_denref(x), 10) + 1;
+    while (below_power_of_ten(x, e))
+        e--;
+    mpz_t z;
+    mpz_init(z);
+    round_scaled(z, x, count - 1 - e);
+    char *digits = decimal_digits(z);
+    e += (long)strlen(digits) - count; /* 9.99 became 10.0 */
+    mpz_clear(z);
+    char *text = cns_xgrow(NULL, (size_t)count + 32, 1), *at = text;
+    if (mpq_sgn(x) < 0)
+        *at++ = '-';
+    *at++ = digits[0];
+    if (count > 1)
+        *at++ = '.';
+    memcpy(at, digits + 1, (size_t)count - 1);
+    snprintf(at + count - 1, 28, "e%c%02ld", e < 0 ? '-' : '+', labs(e));
+    free(digits);
+    return text;
+}
+
 char *cns_text_mpq(mpq_srcptr x, cns_places places, long count)
 {
-    if (places == CNS_PLACES_SIGNIFICANT) { /* no ties matter here: enough bits to decide all others */
-        mpfr_t y;
-        mpfr_init2(y, 4 * count + 64 + (mpfr_prec_t)mpz_sizeinbase(mpq_denref(x), 2));
-        mpfr_set_q(y, x, MPFR_RNDN);
-        char *text = cns_text_mpfr(y, places, count);
-        mpfr_clear(y);
-        return text;
-    }
-    /* round(|x| 10^count) with ties to even, then the point. */
-    mpz_t scaled, rest, twice;
-    mpz_inits(scaled, rest, twice, (mpz_ptr)0);
-    mpz_ui_pow_ui(scaled, 10, (unsigned long)count);
-    mpz_mul(scaled, scaled, mpq_numref(x));
-    mpz_abs(scaled, scaled);
-    mpz_fdiv_qr(scaled, rest, scaled, mpq_denref(x));
-    mpz_mul_2exp(twice, rest, 1);
-    int half = mpz_cmp(twice, mpq_denref(x));
-    if (half > 0 || (half == 0 && mpz_odd_p(scaled)))
-        mpz_add_ui(scaled, scaled, 1);
-    char *digits = mpz_get_str(NULL, 10, scaled);
+    if (places == CNS_PLACES_SIGNIFICANT)
+        return significant_mpq(x, count);
+    mpz_t scaled;
+    mpz_init(scaled);
+    round_scaled(scaled, x, count);
+    char *digits = decimal_digits(scaled);
     size_t length = strlen(digits), fraction = (size_t)count;
     size_t pad = length <= fraction ? fraction + 1 - length : 0;
     char *text = cns_xgrow(NULL, length + pad + 3, 1), *at = text;
@@ -62,10 +118,8 @@ char *cns_text_mpq(mpq_srcptr x, cns_places places, long count)
         *at++ = i < pad ? '0' : digits[i - pad];
     }
     *at = '\0';
-    void (*release)(void *, size_t);
-    mp_get_memory_functions(NULL, NULL, &release);
-    release(digits, length + 1);
-    mpz_clears(scaled, rest, twice, (mpz_ptr)0);
+    free(digits);
+    mpz_clear(scaled);
     return without_minus_zero(text);
 }
 

@@ -7,7 +7,7 @@
 struct cns_arith {
     cns_arith_spec spec;
     double H;
-    mpfr_t acc, term;
+    mpfr_t acc, term, half;
     mpfr_t *c;        /* coefficient k of series a is c[a (order+1) + k] */
     mp_limb_t *limbs; /* their significands, contiguous */
 };
@@ -24,6 +24,7 @@ static void destroy(cns_arith *A)
     if (A->limbs) {
         mpfr_clear(A->acc);
         mpfr_clear(A->term);
+        mpfr_clear(A->half);
     }
     free(A->c);
     free(A->limbs);
@@ -58,6 +59,7 @@ static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
     }
     mpfr_init2(A->acc, spec->prec);
     mpfr_init2(A->term, spec->prec);
+    mpfr_init2(A->half, spec->prec);
     return A;
 }
 
@@ -139,11 +141,13 @@ static void square(cns_arith *A, int sign, int a, int n, int lo)
 {
     mpfr_t *x = &A->c[(size_t)a * ((size_t)A->spec.order + 1)];
     int j = lo;
+    mpfr_set_zero(A->half, 1);
     for (; 2 * j < n; j++) {
         mpfr_mul(A->term, x[j], x[n - j], MPFR_RNDN);
-        mpfr_mul_2ui(A->term, A->term, 1, MPFR_RNDN);
-        add_term(A, sign);
+        mpfr_add(A->half, A->half, A->term, MPFR_RNDN);
     }
+    mpfr_mul_2ui(A->term, A->half, 1, MPFR_RNDN);
+    add_term(A, sign);
     if (2 * j == n) {
         mpfr_sqr(A->term, x[j], MPFR_RNDN);
         add_term(A, sign);

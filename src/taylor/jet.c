@@ -66,6 +66,17 @@ static cns_code compute_constants(cns_jet *J, cns_error *err)
     return code;
 }
 
+/* eps < 2^-(2/3 prec + 16). */
+static bool is_sharp(const cns_program *p, mpfr_prec_t prec)
+{
+    mpfr_t eps;
+    mpfr_init2(eps, 53);
+    cns_number_get_mpfr(eps, &p->smooth);
+    bool sharp = mpfr_get_exp(eps) < -(2 * prec / 3 + 16);
+    mpfr_clear(eps);
+    return sharp;
+}
+
 cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err)
 {
     const cns_program *p = spec->program;
@@ -111,6 +122,7 @@ cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err)
         if (wanted && !node->constant)
             J->plan[J->n_plan++] = v;
     }
+    J->sharp = p->is_smooth && is_sharp(p, spec->sharp_prec ? spec->sharp_prec : spec->prec);
     J->registers_from = series;
     cns_arith_spec arith = {
         .series = series + spec->registers, .order = spec->order + LOOKAHEAD, .prec = spec->prec};
@@ -167,6 +179,8 @@ static void find_vanishing(cns_jet *J)
         J->state_vanishes[i] = J->ops->get_2exp(J->A, &e, J->state_series[i], 0) == 0;
         candidates = candidates || J->state_vanishes[i];
     }
+    for (int v = 0; v < p->n_nodes && !candidates; v++)
+        candidates = J->constant_zero[v];
     if (!candidates)
         return;
     while (changed) {
@@ -272,6 +286,8 @@ static int available(const cns_jet *J, int v)
         return K[b] > m ? min2(K[a] - m, K[b] - m + lead) : 0;
     case CNS_OP_SQRT:
     case CNS_OP_SMOOTH_ABS:
+        if (n->op == CNS_OP_SMOOTH_ABS && J->sharp)
+            return K[b];
         return K[a] > V[a] ? K[a] - V[a] / 2 : 0;
     case CNS_OP_HYPOT:
         if (J->vanishes[a] || J->vanishes[b])
@@ -345,12 +361,13 @@ static cns_code expand_singular(cns_jet *J, int order, cns_error *err)
         for (int v = 0; v < p->n_nodes; v++) {
             const cns_tape_node *n = &p->node[v];
             long e;
-            if (n->constant || J->vanishes[v] || (!n->needed && !J->spec.outputs))
+            if (n->constant || J->vanishes[v] || (!n->needed && !J->spec.outputs) || J->known[v] < 0)
                 continue;
             if (pole(J, v)) {
-                if (!n->needed) /* an output has no value here; the solution has */
-                    continue;
-                return cns_fail(err, CNS_NUMERIC, "division by zero (operation %%%d)", v);
+                if (n->needed)
+                    return cns_fail(err, CNS_NUMERIC, "division by zero (operation %%%d)", v);
+                J->known[v] = -far; /* an output has no value here; the solution has */
+                continue;
             }
             if (n->op == CNS_OP_STATE) {
                 while (J->val[v] < J->known[v] && J->val[v] < room &&
@@ -368,10 +385,12 @@ static cns_code expand_singular(cns_jet *J, int order, cns_error *err)
             while (J->known[v] < count) {
                 int k = J->known[v];
                 cns_code code = cns_op_recurrence[n->op](J, v, k, err);
-                if (code && !n->needed)
-                    break;
-                if (code)
+                if (code && n->needed)
                     return code;
+                if (code) {
+                    J->known[v] = -far;
+                    break;
+                }
                 J->known[v]++;
                 if (J->val[v] == k && J->ops->get_2exp(J->A, &e, J->series[v], k) == 0)
                     J->val[v] = k + 1;
@@ -391,9 +410,13 @@ static cns_code expand_singular(cns_jet *J, int order, cns_error *err)
                 J->known[p->state_node[i]] = J->state_known[i];
             least = min2(least, J->state_known[i]);
         }
-        if (least > order || !progress)
+        if ((least > order && !J->spec.outputs) || !progress)
             break;
     }
+    for (int v = 0; v < p->n_nodes && J->spec.outputs; v++) /* what is made of a singular quantity */
+        for (int k = 0; k < 4; k++)
+            if (p->node[v].arg[k] >= 0 && J->known[p->node[v].arg[k]] < 1 && !J->vanishes[v])
+                J->known[v] = -far;
     /* Products may need coefficients beyond the room; a few orders less are no failure. */
     J->order = least - 1;
     if (J->order < order - LOOKAHEAD || J->order < 1)
@@ -410,6 +433,8 @@ static cns_code expand(cns_jet *J, int order, cns_error *err)
     J->singular = J->sign_late = false;
     if (!expand_regular(J, order, &regular))
         return CNS_OK;
+    if (J->ops->in_steps) /* leading zeros make steep series, which fixed point holds badly */
+        return cns_fail(err, CNS_NUMERIC, "%s", regular.text);
     J->singular = true;
     J->sign_late = false;
     return expand_singular(J, order, err);
@@ -496,9 +521,9 @@ bool cns_jet_watch(const cns_jet *J, int w, cns_watch *watch)
         return false;
     watch->series = J->series[v];
     watch->state = n->op == CNS_OP_STATE ? n->index : -1;
-    watch->kind = J->p->node[held].op == CNS_OP_SMOOTH_ABS ? CNS_WATCH_SMOOTH
-                  : v == held                              ? CNS_WATCH_ROOT
-                                                           : CNS_WATCH_KINK;
+    watch->kind = J->p->node[held].op == CNS_OP_SMOOTH_ABS && !J->sharp ? CNS_WATCH_SMOOTH
+                  : v == held                                           ? CNS_WATCH_ROOT
+                                                                        : CNS_WATCH_KINK;
     watch->eps = watch->kind == CNS_WATCH_SMOOTH ? J->series[J->p->node[held].arg[2]] : -1;
     watch->order = J->singular         ? min2(J->known[v] - 1, J->order)
                    : watch->state >= 0 ? J->order

@@ -28,6 +28,7 @@ struct cns_jet {
     int *val;         /* lower bound of the number of leading zeros; exact where a divisor needs it */
     int *known;       /* how many coefficients are computed; used in the singular case only */
     int *state_known; /* the same for the states */
+    bool sharp;       /* smoothed abs() is treated as exact */
     bool singular;    /* leading zeros are in play */
 
     mpfr_t x, y, z; /* scratch, working precision */

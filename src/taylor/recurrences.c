@@ -162,7 +162,7 @@ static bool significant(const cns_jet *J, int u, int n)
         return false;
     if (n == 0)
         return true;
-    const long slack = 24; /* bits lost in the few operations between the states and u */
+    const long slack = 10; /* bits lost in the few operations between the states and u */
     for (int i = 0; i < J->p->n_states; i++)
         if (J->ops->get_2exp(J->A, &e_state, J->state_series[i], n) != 0 &&
             e < e_state - (long)J->spec.prec + slack)
@@ -180,6 +180,23 @@ static void held_sign(cns_jet *J, int v, int u, int n)
     if (J->sign[v])
         J->ops->coef(J->A, J->sign[v], J->series[u], n);
     J->ops->store(J->A, J->series[v], n);
+}
+
+/* w = sqrt(u^2 + eps^2), or |u| where the two cannot be told apart (see jet.h): eps where u vanishes
+ * identically. */
+static cns_code smooth_absolute(cns_jet *J, int v, int n, cns_error *err)
+{
+    const int *arg = J->p->node[v].arg;
+    if (!J->sharp)
+        return square_root(J, v, n, err);
+    if (!J->vanishes[arg[1]]) {
+        held_sign(J, v, arg[1], n);
+        return CNS_OK;
+    }
+    J->ops->zero(J->A);
+    cns_accumulate(J, 1, arg[2], n);
+    J->ops->store(J->A, J->series[v], n);
+    return CNS_OK;
 }
 
 static cns_code absolute(cns_jet *J, int v, int n, cns_error *err)

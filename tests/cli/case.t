@@ -154,6 +154,15 @@ $ cat > bad.yaml; cns check bad.yaml
 2> re:^bad.yaml:2:[0-9]+: .*'end'
 ? 2
 
+= times are rational numbers
+$ cat > bad.yaml; cns check bad.yaml
+| model: apw
+| time: {end: 2*pi, every: pi/3}
+| goal: {decimals: 10}
+2> re:^bad.yaml:2:[0-9]+: .*'end'
+2> re:^bad.yaml:2:[0-9]+: .*'every'
+? 2
+
 = not a number
 $ cat > bad.yaml; cns check bad.yaml
 | model: apw

@@ -25,13 +25,14 @@ $ cmp a.csv b.csv; ls
 > a.yaml
 > b.csv
 
-= more decimals begin with the fewer, up to rounding
-$ cat > a.yaml; for d in 6 9; do cns run -q a.yaml --set goal.decimals=$d | grep -v '^#' | cut -d, -f2-5 > $d; done
-$ sed 's/\(\.[0-9]\{5\}\)[0-9]*/\1/g' 6 > a; sed 's/\(\.[0-9]\{5\}\)[0-9]*/\1/g' 9 > b; cmp a b
+= fewer decimals are the more, rounded
+$ cat > a.yaml; for d in 6 9; do cns run -q a.yaml --set goal.decimals=$d | grep '^[0-9]' | cut -d, -f2-7 | tr ',' '\n' > $d; done
+$ paste 6 9 | awk '{d = $1 - $2; if (d * d > 0.2501e-12) print "no rounding: " $0} END {print NR}'
 | model: apw
 | initial: {theta: 1, Vy: 0.01, omega: 1}
 | time: {end: 2, every: 0.5}
 | goal: {decimals: 6}
+> 30
 
 = the chosen columns
 $ cat > a.yaml; cns run -q a.yaml | grep -v '^#' | head -n 2
@@ -51,6 +52,109 @@ $ cat > a.yaml; cns run -q a.yaml | grep -c '^# UNPROVEN'
 | numerics: {arithmetic: mpfr, digits: 30}
 > 1
 
+= --prove adds the second run: its numerics, and decimals in every row
+$ cat > a.yaml; cns run -q --prove a.yaml > a.csv; grep -c '^# UNPROVEN' a.csv || true
+$ grep '^# proof' a.csv; grep '^1,' a.csv | cut -d, -f8
+| model: apw
+| initial: {theta: 1, Vy: 0.01, omega: 1}
+| time: {end: 1, every: 0.5}
+| numerics: {arithmetic: mpfr, digits: 30}
+> 0
+> re:^# proof: a second run of 30 digits
+> re:^2[0-9]$
+
+= a run in double by hand: Runge-Kutta, with its step
+$ cat > a.yaml; cns run -q a.yaml | grep -E '^# (method|UNPROVEN)|^1,' | cut -d, -f1-4
+| model: apw
+| initial: {theta: 1, Vy: 0.01, omega: 1}
+| time: {end: 1, every: 0.5}
+| numerics: {method: rk4, arithmetic: double, step: 1e-3}
+> re:^# method: double .*Runge-Kutta.*, fixed step 1e-3
+> # UNPROVEN
+> re:^1,0\.0235664[0-9]*,-0\.2173947[0-9]*,1\.767439[0-9]*$
+
+= provenance: the case, its hash, what was overridden, how it was computed
+$ cat > a.yaml; cns run -q a.yaml --set time.end=1 --set parameters.I=2 > a.csv
+$ grep '^# [^|]' a.csv | grep -v equations
+$ sed -n 's/^# | //p' a.csv | cmp - a.yaml
+$ grep -c "SHA-256 $(sha256sum a.yaml | cut -d' ' -f1)$" a.csv
+if command -v sha256sum
+| model: apw
+| initial: {theta: 1, Vy: 0.01, omega: 1}
+| time: {end: 50, every: 0.5}
+| goal: {decimals: 4}
+> re:^# cns [0-9.]+: 
+> re:^# case: a\.yaml, SHA-256 [0-9a-f]{64}$
+> # override: time.end=1
+> # override: parameters.I=2
+> re:^# parameters: I = 2, CT = 1\.2, CR = pi, 
+> re:^# initial: x = 0, y = 0, theta = 1, Vx = 0, Vy = 0\.01, omega = 1$
+> # abs: exact
+> re:^# method: [0-9]+ digits \([0-9]+ bits\), Taylor series of order [0-9]+
+> re:^# proof: a second run of [0-9]+ digits
+> re:not interval arithmetic
+> ...
+> re:^# libraries: MPFR .*GMP
+> # complete
+> 1
+
+= each case that comes with the program, shortly
+$ for c in "$CASES"/*.yaml; do cns run -q "$c" --set time.end=5 > a.csv || echo "$c: $?"; tail -n 1 a.csv; done | sort -u
+> # complete
+% 120
+
+= from standard input
+$ cat "$CASES"/case4.yaml | cns run -q - --set time.end=1 | tail -n 2
+> re:^1,0\.0235664610,-0\.2173947277,1\.7674394518,-0\.4459101886,-0\.0246984619,0\.5828787535,10,
+> # complete
+
+= fewer decimals than asked: the honest table, and exit 1
+$ cat > a.yaml; cns run -q a.yaml > a.csv || echo $?
+$ awk -F, '/^[0-9]/ {n++; if ($8 < 30 && $8 > 0) few++; sub(/.*\./, "", $2); if (length($2) != $8) print "row: " $0} END {print n, (few > 0)}' a.csv
+$ tail -n 1 a.csv
+| model: apw
+| initial: {theta: 1, Vy: 0.01, omega: 1}
+| time: {end: 5, every: 0.5}
+| goal: {decimals: 30, max_digits: 40}
+> 1
+> 11 1
+> # complete
+2> re:^cns: .*30 decimals
+
+= a singularity: where, and exit 3; the rows before it stand
+$ cat > a.yaml; cns run -q a.yaml > a.csv || echo $?
+$ grep -c '^[0-9]' a.csv; tail -n 1 a.csv
+| model: apw
+| parameters: {A: -2}
+| initial: {Vy: -1}
+| time: {end: 50, every: 0.5}
+| numerics: {arithmetic: double, order: 22}
+> 3
+> re:^[1-9][0-9]*$
+> re:^# stopped: t = [0-9.]+: 
+2> re:^cns: t = [0-9.]+: 
+% 30
+
+= -q is silent, and without a terminal nothing moves the cursor
+$ cat > a.yaml; cns run -q a.yaml 2> quiet > a.csv; cns run a.yaml 2> plain > b.csv; cns run -v a.yaml 2> much > c.csv
+$ wc -c < quiet | tr -d ' '; cat plain much | tr -d '\r\033' > clean; cat plain much | cmp - clean; cmp a.csv b.csv; cmp a.csv c.csv
+$ grep -c 'digits, order' plain; tail -n 1 much
+| model: apw
+| initial: {theta: 1, Vy: 0.01, omega: 1}
+| time: {end: 1, every: 0.5}
+| goal: {decimals: 4}
+> 0
+> 1
+> re:^cns: [0-9]+ steps, [0-9]+ events, 
+
+= a file has the mode that the user's mask gives it
+$ cat > a.yaml; umask 027; cns run -q a.yaml -o a.csv; ls -l a.csv | cut -c1-10
+| model: apw
+| time: {end: 1, every: 0.5}
+| initial: {Vy: 0.5}
+| goal: {decimals: 4}
+> -rw-r-----
+
 = a place that cannot be written, before the work
 $ cat > a.yaml; cns run a.yaml -o nowhere/a.csv
 | model: apw
@@ -67,7 +171,7 @@ $ mkdir d; cat > a.yaml; cns run -q a.yaml -o d
 | initial: {theta: 1, Vy: 0.01, omega: 1}
 | time: {end: 1, every: 0.5}
 | goal: {decimals: 4}
-2> re:^cns: d
+2> re:^cns: .* d: Is a directory
 ? 4
 
 = a directory without permission
@@ -136,6 +240,18 @@ $ grep -v '^#' a.csv | awk -F, 'NR == 1 {n = NF} NF != n {print "short row: " $0
 if command -v timeout
 % 20
 
+= interrupted while the reader is slow
+$ cat > a.yaml; mkfifo p; { sleep 2; cat > a.csv; } < p & cns run -q a.yaml > p & run=$!
+$ sleep 1; kill -INT $run; wait $run && exit || echo $?
+$ wait; tail -n 1 a.csv; grep '^[0-9]' a.csv | awk -F, 'NF != 9 {print "short row: " $0}'
+| model: apw
+| initial: {Vy: 0.01}
+| time: {end: 1000, every: 0.001}
+| numerics: {arithmetic: mpfr, digits: 30}
+> 130
+> # stopped: stopped
+% 20
+
 = interrupted with -o: no half file passes for a whole one
 $ cat > a.yaml
 $ timeout --preserve-status -s TERM 1 "$CNS" run -q a.yaml -o a.csv && exit || echo $?
@@ -160,6 +276,16 @@ $ cat > a.yaml; cns run -q --yaml a.yaml | grep -oE '^(end|decimals|digits|order
 > end
 > order
 > steps
+
+= a summary beside a table
+$ cat > a.yaml; cns run -q --yaml a.yaml -o a.csv | grep -E '^(end|decimals)'; tail -n 1 a.csv
+| model: apw
+| initial: {theta: 1, Vy: 0.01, omega: 1}
+| time: {end: 1, every: 0.5}
+| goal: {decimals: 4}
+> end: 1
+> decimals: 4
+> # complete
 
 = check: standard output closed, and a pipe whose reader has gone
 $ cat > a.yaml

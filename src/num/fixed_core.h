@@ -1,0 +1,443 @@
+/* The order loop of block fixed point, compiled once per kernel: everything the engine calls for every
+ * coefficient. The including file defines FX_KERNEL_NAME and FX_KERNEL and the kernel itself:
+ *   k_conv(lanes, load, rows, a, b, stride, lo, hi, sign)         lanes += sign * sum_{j=lo..hi} a[j] b[j]
+ *   k_square(lanes, load, rows, a, b, stride, lo, hi, mid, sign)  lanes += sign * (2 sum + a[mid] b[mid])
+ *   k_reduce(t, lanes, columns)                                   t[p] = sum of column p
+ *   k_mul(out, x, rows, c)                                        out = floor(x c), pairs i + j <= rows + 1
+ *   k_carry(t, rows)                                              t normalised
+ * These sum the same limb pairs exactly, so every kernel gives the same bits. Nothing here allocates,
+ * divides or converts. */
+#include "fixed.h"
+
+/* Vectors of eight limbs: the few-limb arrays are padded to whole ones. What lies beyond the last limb of a
+ * number is arbitrary; sums and shifts to the left are unsigned so that it may overflow. */
+typedef int64_t fx_v __attribute__((vector_size(64), aligned(8), may_alias));
+typedef uint64_t fx_u __attribute__((vector_size(64), aligned(8), may_alias));
+#define V(p)  (*(fx_u *)(p))
+#define CV(p) (*(const fx_u *)(p))
+#define SV(p) (*(const fx_v *)(p))
+
+static inline int vectors(int rows)
+{
+    return (rows + 8) >> 3; /* covering t[0..rows] */
+}
+
+static inline void normalise(fx_number *x)
+{
+    if (!x->normal) {
+        k_carry(x->t, x->rows);
+        x->normal = true;
+        x->load = 1;
+    }
+}
+
+/* out = t 2^(-shift), 0 <= shift, by limbs; out[0] and the limbs above the first non-zero one are not
+ * sign-extended, which a sum does not need. t is normalised and padded. */
+static inline void shift_down(int64_t *out, const int64_t *t, int rows, long shift)
+{
+    if (shift > (long)FX_BITS * rows) {
+        const long left = shift - (long)FX_BITS * rows;
+        const int64_t whole = t[0]; /* out may be t */
+        for (int v = 0; v < vectors(rows); v++)
+            V(out + 8 * v) = (fx_u){0};
+        out[rows] = whole >> (left > 63 ? 63 : left);
+        return;
+    }
+    const int q = (int)(shift / FX_BITS);
+    const int r = (int)(shift % FX_BITS);
+    for (int v = vectors(rows) - 1; v >= 0; v--) {
+        const int64_t *const s = t + 8 * v - q;
+        V(out + 8 * v) = (fx_u)(SV(s) >> r) + ((CV(s - 1) << (FX_BITS - r)) & (uint64_t)FX_MASK);
+    }
+}
+
+/* weight * x * 2^shift; multiplying is slow where the weight is not a sign. */
+#define TIMES(x, shift) (size == 1 ? ((CV(x) << (uint64_t)(shift)) ^ flip) - flip : CV(x) * (w << (shift)))
+
+/* acc += weight * x 2^exp; x normalised, padded or in a record, |weight| <= 128. */
+static void add(fx *F, const int64_t *x, int rows, long exp, int weight)
+{
+    fx_number *acc = &F->acc;
+    const uint64_t w = (uint64_t)(int64_t)weight;
+    const int size = weight < 0 ? -weight : weight;
+    const uint64_t flip = weight < 0 ? ~UINT64_C(0) : 0;
+    if (acc->load == 0) {
+        for (int v = 0; v < vectors(rows); v++)
+            V(acc->t + 8 * v) = TIMES(x + 8 * v, 0);
+        acc->rows = rows;
+        acc->load = size;
+        acc->exp = exp;
+        acc->normal = weight == 1;
+        return;
+    }
+    if (rows > acc->rows) {
+        for (int i = acc->rows + 1; i < 8 * vectors(rows); i++)
+            acc->t[i] = 0;
+        acc->rows = rows;
+    } else if (rows < acc->rows) {
+        for (int i = 0; i < 8 * vectors(acc->rows); i++)
+            F->tmp3[i] = i <= rows ? x[i] : 0;
+        x = F->tmp3;
+        rows = acc->rows;
+    }
+    const long shift = exp - acc->exp;
+    if (shift >= 0 && shift <= 7 && (size << shift) <= 128) {
+        if (acc->load + (size << shift) > FX_MAX_LOAD)
+            normalise(acc);
+        for (int v = 0; v < vectors(rows); v++)
+            V(acc->t + 8 * v) += TIMES(x + 8 * v, shift);
+        acc->load += size << shift;
+    } else if (shift < 0 && shift >= -7) {
+        if ((acc->load << -shift) + size > FX_MAX_LOAD)
+            normalise(acc);
+        const int s = (int)-shift;
+        for (int v = 0; v < vectors(rows); v++)
+            V(acc->t + 8 * v) = (CV(acc->t + 8 * v) << s) + TIMES(x + 8 * v, 0);
+        acc->load = (acc->load << s) + size;
+        acc->exp = exp;
+    } else if (shift < 0) {
+        if (-shift >= 8 * FX_BITS && x != F->tmp && x != F->tmp3) { /* a record has room for eight limbs */
+            for (int v = 0; v < vectors(rows); v++)
+                V(F->tmp3 + 8 * v) = CV(x + 8 * v);
+            x = F->tmp3;
+        }
+        shift_down(F->tmp2, x, rows, -shift);
+        if (acc->load + size > FX_MAX_LOAD)
+            normalise(acc);
+        for (int v = 0; v < vectors(rows); v++)
+            V(acc->t + 8 * v) += TIMES(F->tmp2 + 8 * v, 0);
+        acc->load += size;
+    } else {
+        normalise(acc);
+        shift_down(acc->t, acc->t, rows, shift);
+        for (int v = 0; v < vectors(rows); v++)
+            V(acc->t + 8 * v) += TIMES(x + 8 * v, 0);
+        acc->load = 1 + size;
+        acc->exp = exp;
+    }
+    acc->normal = false;
+}
+
+/* Mask of the limbs 0..rows, vector v of it. */
+static const uint64_t mask_words[16] = {~UINT64_C(0), ~UINT64_C(0), ~UINT64_C(0), ~UINT64_C(0),
+                                        ~UINT64_C(0), ~UINT64_C(0), ~UINT64_C(0), ~UINT64_C(0)};
+
+static inline const uint64_t *below_row(int rows, int v)
+{
+    const int n = rows + 1 - 8 * v;
+    return mask_words + (n >= 8 ? 0 : n <= 0 ? 8 : 8 - n);
+}
+
+/* The lanes, summed, corrected for the bias and carried, go to the accumulator. */
+static void flush(fx *F)
+{
+    const int rows = F->lanes_rows;
+    int64_t *t = F->acc.load == 0 ? F->acc.t : F->tmp;
+    if (8 * F->lanes_load > FX_SUM_LOAD)
+        k_carry_lanes(F->lanes, &F->lanes_load, rows);
+    k_reduce(t, F->lanes, rows + 2);
+    const uint64_t terms = (uint64_t)F->terms;
+    const fx_u count = {(uint64_t)(F->terms >> 1), (terms & 1) * (uint64_t)FX_HALF};
+    V(t) = CV(t) * 2 - (CV(F->corr) & CV(below_row(rows, 0))) + count;
+    for (int v = 1; v < vectors(rows + 1); v++)
+        V(t + 8 * v) = CV(t + 8 * v) * 2 - (CV(F->corr + 8 * v) & CV(below_row(rows, v)));
+    k_carry(t, rows + 1);
+    F->lanes_used = false;
+    if (t == F->acc.t) {
+        F->acc.rows = rows;
+        F->acc.load = 1;
+        F->acc.exp = F->lanes_exp;
+        F->acc.normal = true;
+    } else {
+        add(F, t, rows, F->lanes_exp, 1);
+    }
+}
+
+static inline void open_lanes(fx *F, int rows, long exp)
+{
+    if (F->lanes_used) {
+        if (F->lanes_rows == rows && F->lanes_exp == exp)
+            return;
+        flush(F);
+    }
+    for (int p = 0; p < rows + 2; p++)
+        V(F->lanes + 8 * p) = (fx_u){0};
+    for (int v = 0; v < vectors(rows + 1); v++)
+        V(F->corr + 8 * v) = (fx_u){0};
+    F->lanes_used = true;
+    F->lanes_rows = rows;
+    F->lanes_exp = exp;
+    F->lanes_load = F->corr_load = 0;
+    F->terms = 0;
+}
+
+/* Record of order k: D_k, eight zeros, x_k. */
+static inline int64_t *record_at(const fx *F, const fx_series *s, int k)
+{
+    return s->record + (size_t)k * (size_t)F->record;
+}
+
+/* Orders before which D_k is not carried: its limbs stay below 17 * 2^52. */
+#define SUM_LOAD 17
+
+static inline void correct(fx *F, int rows, int weight, const fx_series *s, int lo, int hi)
+{
+    const int64_t *d = record_at(F, s, hi);
+    const uint64_t flip = weight < 0 ? ~UINT64_C(0) : 0;
+    const int twice = weight == 2 || weight == -2; /* +-1 or +-2 */
+    if (F->corr_load > 800 - 4 * SUM_LOAD) {
+        k_carry(F->corr, rows);
+        F->corr_load = 1;
+    }
+    if (lo == 0) {
+        for (int v = 0; v < vectors(rows); v++)
+            V(F->corr + 8 * v) += ((CV(d + 8 * v) << twice) ^ flip) - flip;
+    } else {
+        const int64_t *below = record_at(F, s, lo - 1);
+        for (int v = 0; v < vectors(rows); v++)
+            V(F->corr + 8 * v) += (((CV(d + 8 * v) - CV(below + 8 * v)) << twice) ^ flip) - flip;
+    }
+    F->corr_load += 4 * SUM_LOAD;
+}
+
+static void f_zero(fx *F)
+{
+    F->acc.load = 0;
+    F->lanes_used = false;
+}
+
+static void add_weighted(fx *F, const int64_t *x, int rows, long exp, long weight)
+{
+    if (weight >= -128 && weight <= 128) {
+        if (weight != 0)
+            add(F, x, rows, exp, (int)weight);
+        return;
+    }
+    __int128 c = 0;
+    for (int i = rows; i >= 1; i--) {
+        c += (__int128)x[i] * weight;
+        F->tmp[i] = (int64_t)c & FX_MASK;
+        c >>= FX_BITS;
+    }
+    F->tmp[0] = x[0] * weight + (int64_t)c;
+    add(F, F->tmp, rows, exp, 1);
+}
+
+static void f_coef(fx *F, long weight, int a, int k)
+{
+    fx_series *s = &F->series[a];
+    if (!s->live || k >= s->stored)
+        return;
+    const int rows = F->rows[k];
+    add_weighted(F, record_at(F, s, k) + F->value, rows, s->exp + 1 - (long)F->decay * k, weight);
+}
+
+static void f_scaled(fx *F, int sign, int c, int a, int k)
+{
+    fx_series *s = &F->series[a];
+    if (!F->constant[c].valid)
+        fx_prepare_constant(F, c);
+    const fx_const *m = &F->constant[c];
+    if (!s->live || k >= s->stored || m->sign == 0)
+        return;
+    const int rows = F->rows[k];
+    k_mul(F->tmp, record_at(F, s, k) + F->value, rows, m);
+    add(F, F->tmp, rows, s->exp + 1 - (long)F->decay * k + m->exp, sign);
+}
+
+static void f_conv(fx *F, int sign, int a, int b, int n, int lo, int hi)
+{
+    fx_series *s = &F->series[a], *t = &F->series[b];
+    if (lo > hi || !s->live || !t->live)
+        return;
+    if (s->stored <= hi)
+        fx_fill(F, a, hi);
+    if (t->stored <= n - lo)
+        fx_fill(F, b, n - lo);
+    const int rows = F->rows[n];
+    open_lanes(F, rows, s->exp + t->exp + 1 - (long)F->decay * n);
+    correct(F, rows, sign, s, lo, hi);
+    correct(F, rows, sign, t, n - hi, n - lo);
+    F->terms += sign * (hi - lo + 1);
+    k_conv(F->lanes, &F->lanes_load, rows, s->fwd, t->rev + (F->order - n), F->stride, lo, hi, sign);
+}
+
+static void f_square(fx *F, int sign, int a, int n, int lo)
+{
+    fx_series *s = &F->series[a];
+    if (lo > n - lo || !s->live)
+        return;
+    if (s->stored <= n - lo)
+        fx_fill(F, a, n - lo);
+    const int rows = F->rows[n];
+    open_lanes(F, rows, 2 * s->exp + 1 - (long)F->decay * n);
+    correct(F, rows, 2 * sign, s, lo, n - lo);
+    F->terms += sign * (n - 2 * lo + 1);
+    k_square(F->lanes, &F->lanes_load, rows, s->fwd, s->rev + (F->order - n), F->stride, lo, (n - 1) >> 1,
+             n % 2 == 0 ? n / 2 : -1, sign);
+}
+
+/* The accumulator, normalised; false when it is an empty sum. */
+static inline bool finish(fx *F)
+{
+    if (F->lanes_used)
+        flush(F);
+    if (F->acc.load == 0)
+        return false;
+    normalise(&F->acc);
+    return true;
+}
+
+#define ALL_LIMBS(m0)                                                                                        \
+    {                                                                                                        \
+        (m0), (uint64_t)FX_MASK, (uint64_t)FX_MASK, (uint64_t)FX_MASK, (uint64_t)FX_MASK, (uint64_t)FX_MASK, \
+            (uint64_t)FX_MASK, (uint64_t)FX_MASK                                                             \
+    }
+
+/* w_k = accumulator (normalised), or 0. */
+static void put(fx *F, int w, int k, bool nonzero)
+{
+    fx_series *s = &F->series[w];
+    const int rows = F->rows[k];
+    if (k > s->stored)
+        fx_fill(F, w, k - 1);
+    if (nonzero && !s->live)
+        fx_choose(F, w, k);
+    int64_t *record = record_at(F, s, k);
+    int64_t *x = record + F->value;
+    if (!nonzero || !s->live) {
+        for (int v = 0; v < vectors(rows); v++)
+            V(x + 8 * v) = (fx_u){0};
+    } else {
+        const fx_number *acc = &F->acc;
+        const int64_t *t = acc->t;
+        const fx_u whole_first = ALL_LIMBS(~UINT64_C(0)), limb_mask = ALL_LIMBS((uint64_t)FX_MASK);
+        const long shift = acc->exp - (s->exp + 1 - (long)F->decay * k);
+        if (acc->rows >= rows && shift <= 0 && shift > -FX_BITS) {
+            const int r = (int)-shift;
+            for (int v = 0; v < vectors(rows); v++)
+                V(x + 8 * v) =
+                    (fx_u)(SV(t + 8 * v) >> r) + ((CV(t + 8 * v - 1) << (FX_BITS - r)) & (uint64_t)FX_MASK);
+        } else if (acc->rows > rows && shift > 0 && shift < FX_BITS && t[0] >= -1024 && t[0] < 1024) {
+            const int l = (int)shift;
+            for (int v = 0; v < vectors(rows); v++)
+                V(x + 8 * v) = ((CV(t + 8 * v) << l) & (v == 0 ? whole_first : limb_mask)) +
+                               (CV(t + 8 * v + 1) >> (FX_BITS - l));
+        } else {
+            fx_shift(x, t, rows, acc->rows, shift);
+        }
+        const int64_t first = x[1] + FX_HALF;
+        if (x[0] + (first >> FX_BITS) != 0) {
+            fx_raise(F, w, k);
+            put(F, w, k, true);
+            return;
+        }
+    }
+    const int64_t top = x[0] < 0 ? FX_MASK - x[1] : x[1];
+    s->peak = top > s->peak ? top : s->peak;
+
+    /* u = x + 1/2; its integer part was found to vanish */
+    const fx_u half = {0, (uint64_t)FX_HALF};
+    const fx_u no_whole = ALL_LIMBS(0);
+    const fx_u u0 = (CV(x) + half) & no_whole;
+    V(F->tmp2) = u0;
+    uint64_t *fwd = s->fwd + k, *rev = s->rev + (F->order - k);
+    const size_t stride = F->stride;
+    const uint64_t *u = (const uint64_t *)(rows < 8 ? F->tmp2 : x) + 1;
+    fwd[0] = rev[0] = (uint64_t)F->tmp2[1];
+    for (int i = 1; i < rows; i++) {
+        fwd += stride;
+        rev += stride;
+        *fwd = *rev = u[i];
+    }
+    if (k < s->stored) {
+        fx_sums(F, w, k);
+        return;
+    }
+    s->stored = k + 1;
+    if (k == 0) {
+        V(record) = u0;
+        for (int v = 1; v < vectors(rows); v++)
+            V(record + 8 * v) = CV(x + 8 * v);
+    } else {
+        const int64_t *before = record - F->record;
+        V(record) = CV(before) + u0;
+        for (int v = 1; v < vectors(rows); v++)
+            V(record + 8 * v) = CV(before + 8 * v) + CV(x + 8 * v);
+        if (k % 16 == 0 || F->rows[k] != F->rows[k + 1])
+            k_carry(record, rows);
+    }
+}
+
+static void f_store(fx *F, int w, int k)
+{
+    put(F, w, k, finish(F));
+}
+
+/* acc *= c */
+static inline bool times(fx *F, const fx_const *c)
+{
+    if (c->sign == 0)
+        return false;
+    k_mul(F->tmp, F->acc.t, F->acc.rows, c);
+    int64_t *t = F->tmp;
+    F->tmp = F->acc.t;
+    F->acc.t = t;
+    F->acc.exp += c->exp;
+    return true;
+}
+
+static void f_store_scaled(fx *F, int w, int k, int c)
+{
+    if (!F->constant[c].valid)
+        fx_prepare_constant(F, c);
+    put(F, w, k, finish(F) && times(F, &F->constant[c]));
+}
+
+static void f_store_over(fx *F, int w, int k, int d, int v, int twice)
+{
+    const fx_const *c = &F->reciprocal[d];
+    if (!c->valid || c->index != v)
+        c = fx_reciprocal(F, d, v);
+    const bool nonzero = finish(F) && times(F, c);
+    /* d_v carries 2^(-d v) in its value already: all exponents are those of the true numbers */
+    F->acc.exp -= twice != 0;
+    put(F, w, k, nonzero);
+}
+
+static void f_store_ratio(fx *F, int w, int k, long p, long q)
+{
+    bool nonzero = finish(F);
+    if (nonzero && p == 1 && q >= 1 && q <= F->order + 1)
+        nonzero = times(F, &F->inverse_order[q - 1]);
+    else if (nonzero)
+        fx_ratio(F, p, q);
+    put(F, w, k, nonzero);
+}
+
+static void f_store_next(fx *F, int w, int k, int c)
+{
+    bool nonzero = finish(F);
+    if (nonzero) {
+        const int slot = c < 0 ? F->n_series : c;
+        const fx_const *step = &F->step_const[slot];
+        fx_const *next = &F->next_const[slot];
+        if (!step->valid)
+            fx_prepare_step(F, c);
+        const int rows = F->acc.rows + 1;
+        if (next->index != k || next->series != rows) {
+            const fx_const *inverse = &F->inverse_order[k];
+            k_mul(next->limb, step->limb, rows, inverse);
+            next->sign = step->sign;
+            next->exp = step->exp + inverse->exp;
+            next->index = k;
+            next->series = rows;
+        }
+        nonzero = times(F, next);
+    }
+    put(F, w, k + 1, nonzero);
+}
+
+const fx_kernel FX_KERNEL = {FX_KERNEL_NAME, f_zero,       f_coef,      f_scaled,
+                             f_conv,         f_square,     f_store,     f_store_scaled,
+                             f_store_ratio,  f_store_over, f_store_next};

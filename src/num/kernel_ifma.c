@@ -1,0 +1,412 @@
+/* The AVX-512 IFMA kernel: eight terms of a convolution in eight lanes. */
+#include "fixed.h"
+
+#ifdef FX_HAVE_IFMA
+
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,avx512ifma,bmi2"))),  \
+                             apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512dq,avx512vl,avx512bw,avx512ifma,bmi2,prefer-vector-width=512")
+#endif
+#include <immintrin.h>
+
+#define INLINE static inline __attribute__((always_inline))
+
+/* Limb products of a strip of terms: the pairs i < r, j < w + (corner ? r - 1 - i : 0), on diagonals
+ * p = i + j < r + w - 1, low and high halves apart, in up to three sets of accumulators (by i) so that no
+ * chain of additions is longer than the block. Everything below is resolved at compile time; named variables,
+ * because compilers keep arrays in memory. */
+#define MAX_DIAGONALS 12
+#define EACH(X)       X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7) X(8) X(9) X(10) X(11)
+
+#define DECLARE(p)                                                                                           \
+    __m512i la##p = zero, lb##p = zero, lc##p = zero, ha##p = zero, hb##p = zero, hc##p = zero, x##p = zero;
+#define LOAD(i)                                                                                              \
+    if (i < r)                                                                                               \
+        x##i = _mm512_maskz_loadu_epi64(mask, a + (size_t)i * stride);
+#define INTO(s, p, i)                                                                                        \
+    do {                                                                                                     \
+        l##s##p = _mm512_madd52lo_epu64(l##s##p, x##i, y);                                                   \
+        h##s##p = _mm512_madd52hi_epu64(h##s##p, x##i, y);                                                   \
+    } while (0)
+#define PAIR(i, p)                                                                                           \
+    if (i < r && (p - i) < w + (corner ? r - 1 - i : 0)) {                                                   \
+        if (i % sets == 0)                                                                                   \
+            INTO(a, p, i);                                                                                   \
+        else if (i % sets == 1)                                                                              \
+            INTO(b, p, i);                                                                                   \
+        else                                                                                                 \
+            INTO(c, p, i);                                                                                   \
+    }
+#define LIMB(j, PAIRS)                                                                                       \
+    if (j < w + (corner ? r - 1 : 0)) {                                                                      \
+        const __m512i y = _mm512_loadu_si512(b + (size_t)j * stride);                                        \
+        PAIRS                                                                                                \
+    }
+#define TWICE(p)                                                                                             \
+    la##p = _mm512_add_epi64(la##p, la##p), lb##p = _mm512_add_epi64(lb##p, lb##p),                          \
+    lc##p = _mm512_add_epi64(lc##p, lc##p), ha##p = _mm512_add_epi64(ha##p, ha##p),                          \
+    hb##p = _mm512_add_epi64(hb##p, hb##p), hc##p = _mm512_add_epi64(hc##p, hc##p);
+#define OUT(p)                                                                                               \
+    if (p < d) {                                                                                             \
+        __m512i high = _mm512_add_epi64(ha##p, carried);                                                     \
+        carried = la##p;                                                                                     \
+        if (sets > 1) {                                                                                      \
+            high = _mm512_add_epi64(high, hb##p);                                                            \
+            carried = _mm512_add_epi64(carried, lb##p);                                                      \
+        }                                                                                                    \
+        if (sets > 2) {                                                                                      \
+            high = _mm512_add_epi64(high, hc##p);                                                            \
+            carried = _mm512_add_epi64(carried, lc##p);                                                      \
+        }                                                                                                    \
+        into(lanes + 8 * (p + 1), high, sign);                                                               \
+    }
+
+INLINE void into(int64_t *lane, __m512i x, int sign)
+{
+    const __m512i s = _mm512_load_si512(lane);
+    _mm512_store_si512(lane, sign < 0 ? _mm512_sub_epi64(s, x) : _mm512_add_epi64(s, x));
+}
+
+/* lanes[p + 1], lanes[p + 2] += sign * diagonal p of the sum over `blocks` blocks; when `square`, twice that,
+ * and the products of order mid once. */
+INLINE void tile(int64_t *lanes, const uint64_t *a, const uint64_t *b, size_t stride, int blocks,
+                 __mmask8 first, __mmask8 last, const int sign, const int r, const int w, const int corner,
+                 const int sets, const int square, int mid, const uint64_t *a0, const uint64_t *b0)
+{
+    const int d = r + w - 1;
+    const __m512i zero = _mm512_setzero_si512();
+    EACH(DECLARE)
+    __mmask8 mask = first;
+    for (;;) {
+        if (blocks <= 1) {
+            if (square && blocks <= 0) {
+                if (mid < 0)
+                    break;
+                EACH(TWICE)
+                a = a0 + (mid & ~7);
+                b = b0 + (mid & ~7);
+                mask = (__mmask8)(1 << (mid & 7));
+            } else {
+                mask &= last;
+            }
+        }
+        EACH(LOAD)
+        LIMB(0, PAIR(0, 0) PAIR(1, 1) PAIR(2, 2) PAIR(3, 3) PAIR(4, 4) PAIR(5, 5) PAIR(6, 6) PAIR(7, 7)
+                    PAIR(8, 8) PAIR(9, 9) PAIR(10, 10) PAIR(11, 11))
+        LIMB(1, PAIR(0, 1) PAIR(1, 2) PAIR(2, 3) PAIR(3, 4) PAIR(4, 5) PAIR(5, 6) PAIR(6, 7) PAIR(7, 8)
+                    PAIR(8, 9) PAIR(9, 10) PAIR(10, 11))
+        LIMB(2, PAIR(0, 2) PAIR(1, 3) PAIR(2, 4) PAIR(3, 5) PAIR(4, 6) PAIR(5, 7) PAIR(6, 8) PAIR(7, 9)
+                    PAIR(8, 10) PAIR(9, 11))
+        LIMB(3, PAIR(0, 3) PAIR(1, 4) PAIR(2, 5) PAIR(3, 6) PAIR(4, 7) PAIR(5, 8) PAIR(6, 9) PAIR(7, 10)
+                    PAIR(8, 11))
+        LIMB(4, PAIR(0, 4) PAIR(1, 5) PAIR(2, 6) PAIR(3, 7) PAIR(4, 8) PAIR(5, 9) PAIR(6, 10) PAIR(7, 11))
+        LIMB(5, PAIR(0, 5) PAIR(1, 6) PAIR(2, 7) PAIR(3, 8) PAIR(4, 9) PAIR(5, 10) PAIR(6, 11))
+        LIMB(6, PAIR(0, 6) PAIR(1, 7) PAIR(2, 8) PAIR(3, 9) PAIR(4, 10) PAIR(5, 11))
+        LIMB(7, PAIR(0, 7) PAIR(1, 8) PAIR(2, 9) PAIR(3, 10) PAIR(4, 11))
+        LIMB(8, PAIR(0, 8) PAIR(1, 9) PAIR(2, 10) PAIR(3, 11))
+        LIMB(9, PAIR(0, 9) PAIR(1, 10) PAIR(2, 11))
+        LIMB(10, PAIR(0, 10) PAIR(1, 11))
+        LIMB(11, PAIR(0, 11))
+        mask = 0xff;
+        a += 8;
+        b += 8;
+        blocks--;
+        if (square ? blocks < 0 : blocks <= 0)
+            break;
+    }
+    if (square && mid < 0) {
+        EACH(TWICE)
+    }
+    __m512i carried = zero;
+    EACH(OUT)
+    into(lanes + 8 * (d + 1), carried, sign);
+}
+
+#define ARGS                                                                                                 \
+    int64_t *lanes, const uint64_t *a, const uint64_t *b, size_t stride, int blocks, __mmask8 first,         \
+        __mmask8 last, int sign, int mid, const uint64_t *a0, const uint64_t *b0
+typedef void triangle_function(ARGS);
+
+#define TRIANGLE(M, SETS)                                                                                    \
+    static void conv_##M(ARGS)                                                                               \
+    {                                                                                                        \
+        tile(lanes, a, b, stride, blocks, first, last, sign, M, 1, 1, SETS, 0, mid, a0, b0);                 \
+    }                                                                                                        \
+    static void square_##M(ARGS)                                                                             \
+    {                                                                                                        \
+        tile(lanes, a, b, stride, blocks, first, last, sign, M, 1, 1, SETS, 1, mid, a0, b0);                 \
+    }
+TRIANGLE(1, 1)
+TRIANGLE(2, 2)
+TRIANGLE(3, 3)
+TRIANGLE(4, 2)
+TRIANGLE(5, 2)
+TRIANGLE(6, 2)
+TRIANGLE(7, 1)
+TRIANGLE(8, 1)
+TRIANGLE(9, 1)
+TRIANGLE(10, 1)
+
+#define SMALL 10 /* rows up to which one triangle does */
+#define TILE  6  /* side of a tile beyond */
+
+static triangle_function *const conv_small[SMALL + 1] = {NULL,   conv_1, conv_2, conv_3, conv_4, conv_5,
+                                                         conv_6, conv_7, conv_8, conv_9, conv_10};
+static triangle_function *const square_small[SMALL + 1] = {NULL,     square_1, square_2, square_3,
+                                                           square_4, square_5, square_6, square_7,
+                                                           square_8, square_9, square_10};
+
+#define TRAPEZOID(W)                                                                                         \
+    static void trapezoid_##W(ARGS)                                                                          \
+    {                                                                                                        \
+        tile(lanes, a, b, stride, blocks, first, last, sign, TILE, W, 1, 1, 0, mid, a0, b0);                 \
+    }
+TRAPEZOID(1)
+TRAPEZOID(2)
+TRAPEZOID(3)
+TRAPEZOID(4)
+TRAPEZOID(5)
+TRAPEZOID(6)
+static triangle_function *const trapezoid[TILE + 1] = {NULL,        trapezoid_1, trapezoid_2, trapezoid_3,
+                                                       trapezoid_4, trapezoid_5, trapezoid_6};
+
+static void full_tile(ARGS)
+{
+    tile(lanes, a, b, stride, blocks, first, last, sign, TILE, TILE, 0, 1, 0, mid, a0, b0);
+}
+
+static void k_carry_lanes(int64_t *lanes, int *load, int rows)
+{
+    const __m512i mask = _mm512_set1_epi64(FX_MASK);
+    __m512i c = _mm512_setzero_si512();
+    for (int p = rows + 1; p >= 1; p--) {
+        const __m512i s = _mm512_add_epi64(_mm512_load_si512(lanes + 8 * p), c);
+        _mm512_store_si512(lanes + 8 * p, _mm512_and_si512(s, mask));
+        c = _mm512_srai_epi64(s, FX_BITS);
+    }
+    _mm512_store_si512(lanes, _mm512_add_epi64(_mm512_load_si512(lanes), c));
+    *load = 1;
+}
+
+/* Blocks per call: a diagonal of one accumulator grows by at most SMALL summands per block, a lane of the
+ * sum by 2 * min(rows, TILE or SMALL). Short enough to keep two strips of rows in the first-level cache. */
+#define BLOCKS 24
+
+static inline void reserve(int64_t *lanes, int *load, int rows, int more)
+{
+    if (*load + more > FX_LANE_LOAD)
+        k_carry_lanes(lanes, load, rows);
+    *load += more;
+}
+
+static void large(int64_t *lanes, int *load, int rows, const uint64_t *a, const uint64_t *b, size_t stride,
+                  int blocks, __mmask8 first, __mmask8 last, int sign, int weight)
+{
+    for (int i = 0; i < rows; i += TILE) {
+        const uint64_t *ai = a + (size_t)i * stride;
+        int width = rows - i; /* of row i; one less per row */
+        for (int twice = 0; twice < weight; twice++) {
+            reserve(lanes, load, rows, 2 * TILE * blocks);
+            int64_t *out = lanes + 8 * i;
+            const uint64_t *bj = b;
+            width = rows - i;
+            if (width <= TILE) {
+                conv_small[width](out, ai, bj, stride, blocks, first, last, sign, -1, a, b);
+                continue;
+            }
+            while (width >= 2 * TILE) {
+                full_tile(out, ai, bj, stride, blocks, first, last, sign, -1, a, b);
+                bj += TILE * stride;
+                out += 8 * TILE;
+                width -= TILE;
+            }
+            trapezoid[width - TILE + 1](out, ai, bj, stride, blocks, first, last, sign, -1, a, b);
+        }
+    }
+}
+
+static inline void k_conv(int64_t *lanes, int *load, int rows, const uint64_t *a, const uint64_t *b,
+                          size_t stride, int lo, int hi, int sign)
+{
+    int j = lo & ~7;
+    __mmask8 first = (__mmask8)(0xff << (lo & 7));
+    const __mmask8 last = (__mmask8)(0xff >> (7 - (hi & 7)));
+    for (int left = (hi >> 3) - (lo >> 3) + 1; left > 0; left -= BLOCKS) {
+        const int blocks = left < BLOCKS ? left : BLOCKS;
+        const __mmask8 end = left <= BLOCKS ? last : 0xff;
+        if (rows <= SMALL) {
+            reserve(lanes, load, rows, 2 * rows * blocks);
+            conv_small[rows](lanes, a + j, b + j, stride, blocks, first, end, sign, -1, a, b);
+        } else {
+            large(lanes, load, rows, a + j, b + j, stride, blocks, first, end, sign, 1);
+        }
+        first = 0xff;
+        j += 8 * blocks;
+    }
+}
+
+static inline void k_square(int64_t *lanes, int *load, int rows, const uint64_t *a, const uint64_t *b,
+                            size_t stride, int lo, int hi, int mid, int sign)
+{
+    int j = lo & ~7;
+    __mmask8 first = (__mmask8)(0xff << (lo & 7));
+    const __mmask8 last = (__mmask8)(0xff >> (7 - (hi & 7)));
+    int left = hi < lo ? 0 : (hi >> 3) - (lo >> 3) + 1;
+    if (rows <= SMALL && left <= BLOCKS) {
+        reserve(lanes, load, rows, 2 * rows * (2 * left + 1));
+        square_small[rows](lanes, a + j, b + j, stride, left, first, last, sign, mid, a, b);
+        return;
+    }
+    for (; left > 0; left -= BLOCKS) {
+        const int blocks = left < BLOCKS ? left : BLOCKS;
+        const __mmask8 end = left <= BLOCKS ? last : 0xff;
+        if (rows <= SMALL) {
+            reserve(lanes, load, rows, 4 * rows * blocks);
+            square_small[rows](lanes, a + j, b + j, stride, blocks, first, end, sign, -1, a, b);
+        } else {
+            large(lanes, load, rows, a + j, b + j, stride, blocks, first, end, sign, 2);
+        }
+        first = 0xff;
+        j += 8 * blocks;
+    }
+    if (mid >= 0)
+        k_conv(lanes, load, rows, a, b, stride, mid, mid, sign);
+}
+
+static void carry_slowly(int64_t *t, int rows)
+{
+    int64_t c = 0;
+    for (int i = rows; i >= 1; i--) {
+        const int64_t s = t[i] + c;
+        t[i] = s & FX_MASK;
+        c = s >> FX_BITS;
+    }
+    t[0] += c;
+}
+
+static void carry_long(int64_t *t, int rows)
+{
+    const __m512i limb = _mm512_set1_epi64(FX_MASK);
+    const int last = rows >> 3;
+    const __mmask8 tail = (__mmask8)(0xff >> (7 - (rows & 7)));
+    __mmask8 bad = 0;
+    for (int pass = 0; pass < 2; pass++) {
+        __mmask8 moves = 0xfe; /* t[0] is whole */
+        __m512i x = _mm512_loadu_si512(t);
+        bad = 0;
+        for (int v = 0; v <= last; v++, moves = 0xff) {
+            __m512i next = _mm512_setzero_si512();
+            if (v < last) {
+                next = _mm512_loadu_si512(t + 8 * (v + 1));
+                if (v + 1 == last)
+                    next = _mm512_maskz_mov_epi64(tail, next);
+            }
+            const __m512i c =
+                _mm512_alignr_epi64(_mm512_srai_epi64(next, FX_BITS), _mm512_srai_epi64(x, FX_BITS), 1);
+            const __m512i s = _mm512_add_epi64(_mm512_mask_and_epi64(x, moves, x, limb), c);
+            _mm512_storeu_si512(t + 8 * v, s);
+            bad |= _mm512_mask_cmpgt_epu64_mask(moves, s, limb);
+            x = next;
+        }
+    }
+    if (bad != 0)
+        carry_slowly(t, rows);
+}
+
+/* Two rounds leave every limb in [-1, 2^52]; a carry that runs further is rare and done limb by limb. */
+INLINE void k_carry(int64_t *t, int rows)
+{
+    if (rows > 7) {
+        carry_long(t, rows);
+        return;
+    }
+    const __m512i limb = _mm512_set1_epi64(FX_MASK);
+    const __m512i zero = _mm512_setzero_si512();
+    __m512i x = _mm512_maskz_loadu_epi64((__mmask8)(0xff >> (7 - rows)), t);
+    x = _mm512_add_epi64(_mm512_mask_and_epi64(x, 0xfe, x, limb),
+                         _mm512_alignr_epi64(zero, _mm512_srai_epi64(x, FX_BITS), 1));
+    x = _mm512_add_epi64(_mm512_mask_and_epi64(x, 0xfe, x, limb),
+                         _mm512_alignr_epi64(zero, _mm512_srai_epi64(x, FX_BITS), 1));
+    _mm512_storeu_si512(t, x);
+    if (__builtin_expect(_mm512_mask_cmpgt_epu64_mask(0xfe, x, limb) != 0, 0))
+        carry_slowly(t, rows);
+}
+
+/* t[p] = sum over lanes of column p, eight columns at a time: a transpose by halves, adding on the way. */
+static inline void k_reduce(int64_t *t, const int64_t *lanes, int columns)
+{
+    for (int p = 0; p < columns; p += 8, lanes += 64) {
+        __m512i r[8], s[4];
+#pragma GCC unroll 8
+        for (int i = 0; i < 8; i++)
+            r[i] = _mm512_load_si512(lanes + 8 * i); /* those beyond are not looked at */
+#pragma GCC unroll 4
+        for (int i = 0; i < 4; i++)
+            s[i] = _mm512_add_epi64(_mm512_unpacklo_epi64(r[2 * i], r[2 * i + 1]),
+                                    _mm512_unpackhi_epi64(r[2 * i], r[2 * i + 1]));
+        /* s[i]: pairs (column 2i, column 2i + 1) in each of four 128-bit parts */
+        const __m512i u0 =
+            _mm512_add_epi64(_mm512_shuffle_i64x2(s[0], s[1], 0x88), _mm512_shuffle_i64x2(s[0], s[1], 0xdd));
+        const __m512i u1 =
+            _mm512_add_epi64(_mm512_shuffle_i64x2(s[2], s[3], 0x88), _mm512_shuffle_i64x2(s[2], s[3], 0xdd));
+        const __m512i v =
+            _mm512_add_epi64(_mm512_shuffle_i64x2(u0, u1, 0x88), _mm512_shuffle_i64x2(u0, u1, 0xdd));
+        _mm512_storeu_si512(t + p, v);
+    }
+}
+
+static void mul_wide(int64_t *out, const int64_t *x, int rows, const fx_const *c)
+{
+    __int128 s = 0;
+    for (int p = rows + 1; p >= 1; p--) {
+        __int128 d = 0;
+        for (int i = p <= rows ? p - 1 : rows; i >= 0; i--)
+            d += (__int128)x[i] * c->limb[p - i];
+        s += c->sign < 0 ? -d : d;
+        out[p] = (int64_t)s & FX_MASK;
+        s >>= FX_BITS;
+    }
+    out[0] = (int64_t)s;
+}
+
+static inline void k_mul(int64_t *out, const int64_t *x, int rows, const fx_const *c)
+{
+    if (x[0] < -400 || x[0] > 400) {
+        mul_wide(out, x, rows, c);
+        return;
+    }
+    const int64_t *limb = c->limb;
+    const __m512i flip = _mm512_set1_epi64(c->sign < 0 ? -1 : 0);
+    const __m512i whole = _mm512_set1_epi64(x[0]);
+    for (int p = 0; p <= rows + 1; p += 8) {
+        __m512i low = _mm512_mullo_epi64(whole, _mm512_loadu_si512(limb + p));
+        __m512i high = _mm512_setzero_si512();
+        __m512i before = _mm512_loadu_si512(limb + p);
+        const int n = p + 7 < rows ? p + 7 : rows;
+        for (int i = 1; i <= n; i++) {
+            const __m512i xi = _mm512_set1_epi64(x[i]);
+            high = _mm512_madd52hi_epu64(high, xi, before);
+            before = _mm512_loadu_si512(limb + p - i);
+            low = _mm512_madd52lo_epu64(low, xi, before);
+        }
+        const __mmask8 keep = (__mmask8)(rows + 1 - p >= 8 ? 0xff : (1 << (rows + 1 - p)) - 1);
+        __m512i sum = _mm512_mask_add_epi64(low, keep, low, high);
+        sum = _mm512_sub_epi64(_mm512_xor_si512(sum, flip), flip);
+        _mm512_storeu_si512(out + p, sum);
+    }
+    k_carry(out, rows + 1);
+}
+
+#define FX_KERNEL_NAME "avx512ifma"
+#define FX_KERNEL      fx_kernel_avx512ifma
+#include "fixed_core.h"
+
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#endif

@@ -1,0 +1,19 @@
+# The tour of README.md, word for word.
+
+= the commands of the tour print what README.md shows
+$ sed -n 's/^    //p' "$CASES"/../README.md > tour; cat > three.yaml; sed 's/goal:.*/numerics: {method: rk4, arithmetic: double, step: 1e-3}/' three.yaml > hand.yaml
+$ { cns run -q three.yaml | grep -v '^# libraries'; cns run -q three.yaml --set goal.decimals=25 | grep '^3,'; } > got
+$ { cns run -q --prove hand.yaml | grep '^3,'; cns run -q three.yaml --yaml | grep -v wall_s; } >> got
+$ grep -vxFf tour got || true
+| model: apw
+| initial: {theta: 1, Vy: 0.01, omega: 1}
+| time: {end: 3, every: 1}
+| goal: {decimals: 10}
+
+= every key of case files is in README.md
+$ cns help case | sed -n 's/^ \{0,4\}\([a-z_]*\)  .*/\1/p' | grep -vE '^(laws|lyapunov|bisect|)$' > keys
+$ while read -r key; do grep -q "^| \`.*$key" "$CASES"/../README.md || grep -q "\`$key\`\|{$key:" "$CASES"/../README.md || echo "$key"; done < keys
+$ test $(wc -l < keys) -gt 15
+
+= every command is in README.md
+$ cns help | sed -n 's/^  cns \([a-z]*\) .*/\1/p' | while read -r c; do grep -q "^| .cns $c " "$CASES"/../README.md || echo "$c"; done
