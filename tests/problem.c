@@ -110,7 +110,7 @@ cns_flow_spec taylor_spec(const cns_program *p, long digits)
                           .method = CNS_METHOD_TAYLOR,
                           .arithmetic = CNS_ARITH_MPFR,
                           .prec = cns_digits_to_bits(digits),
-                          .order = cns_order_for(tolerance_log2),
+                          .order = cns_order_for(tolerance_log2, CNS_ARITH_MPFR),
                           .tolerance_log2 = tolerance_log2,
                           .safety = 0.5,
                           .verify = true};

@@ -111,7 +111,7 @@ START_TEST(reads_numerics)
 {
     cns_case *c = good(MINIMAL "numerics: {digits: 60}\n", NULL, 0);
     ck_assert_int_eq(c->numerics.method, CNS_METHOD_TAYLOR);
-    ck_assert_int_eq(c->numerics.arithmetic, CNS_ARITH_MPFR);
+    ck_assert_int_eq(c->numerics.arithmetic, CNS_ARITH_FAST);
     ck_assert_int_eq(c->numerics.digits, 60);
     ck_assert_int_eq(c->numerics.order, 0);
     ck_assert(!c->numerics.fixed_step && c->numerics.auto_tolerance);
@@ -193,8 +193,10 @@ START_TEST(refuses_numerics)
         "t:3:12: unknown key 'digts' in 'numerics'; did you mean 'digits'?");
     bad(MINIMAL "numerics: {digits: 100001}\n",
         "t:3:20: 'digits' in 'numerics' must be an integer from 1 to 100000, not '100001'");
-    bad(MINIMAL "numerics: {digits: 20, arithmetic: fast}\n",
-        "t:3:36: 'arithmetic' in 'numerics' must be mpfr or double, not 'fast'");
+    bad(MINIMAL "numerics: {digits: 20, arithmetic: quad}\n",
+        "t:3:36: 'arithmetic' in 'numerics' must be fast, mpfr or double, not 'quad'");
+    bad(MINIMAL "numerics: {method: rk4, digits: 20, arithmetic: fast, step: 1e-3}\n",
+        "t:3:49: 'method: rk4' computes in mpfr or double");
     bad(MINIMAL "numerics: {digits: 20, order: full}\n",
         "t:3:31: 'order' in 'numerics' must be an integer from 1 to 100000, or auto, not 'full'");
     bad(MINIMAL "numerics: {digits: 20, arithmetic: double}\n",

@@ -85,4 +85,8 @@ extern const cns_arith_ops cns_arith_double; /* IEEE double; functions correctly
 extern const cns_arith_ops cns_arith_libm;   /* the same with the C library's functions: not the same
                                                 bits on every machine */
 
+/* The kernel that the fast arithmetic uses: "avx512ifma" or "portable", as CNS_KERNEL says. CNS_USAGE when it
+ * names none, or one that this machine does not have. */
+cns_code cns_fast_kernel_name(const char **name, cns_error *err);
+
 #endif

@@ -45,9 +45,10 @@ typedef struct cns_flow cns_flow;
 /* Digits K mean ceil(K log2 10) bits and guard bits against the rounding inside one step. */
 mpfr_prec_t cns_digits_to_bits(long digits);
 
-/* The order at which a Taylor step of local error 2^tolerance_log2 costs least, in the plain arithmetic:
- * 1 - ln(tolerance)/2 (Jorba and Zou 2005, section 3). */
-int cns_order_for(double tolerance_log2);
+/* The order at which a Taylor step of local error 2^tolerance_log2 costs least: 1 - ln(tolerance)/2 (Jorba and
+ * Zou 2005, section 3), which makes coefficients fall by 2.9 bits per order; the fast arithmetic wants a little
+ * more than the three bits that it is made for. */
+int cns_order_for(double tolerance_log2, cns_arithmetic arithmetic);
 
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err);
 void cns_flow_free(cns_flow *f);

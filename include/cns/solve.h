@@ -48,6 +48,7 @@ typedef struct cns_run_info {
     long proof_digits; /* of the coarser run; 0: no proof */
     mpfr_prec_t proof_prec;
     int proof_order;
+    const char *kernel; /* of the printed run's arithmetic: avx512ifma, portable, mpfr, double */
     bool planned;  /* by goal: the following are predictions */
     double growth; /* log10 of the largest growth of noise expected */
     double margin; /* digits added for its fluctuation */
@@ -80,6 +81,7 @@ typedef struct cns_problem {
     const cns_number *end, *every; /* rows at multiples of every and at the end */
     const cns_column *columns;
     int n_columns;
+    int threads; /* more than 1: the two runs of a proof side by side; the results are the same */
     const volatile sig_atomic_t *stop;
     const cns_sink *sink;
 } cns_problem;

@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cns/solve.h"
 #include "cns/summary.h"
@@ -90,7 +91,7 @@ static int print_summary(const cns_result *result, const cns_case *c)
     cns_summary_long(s, "order", result->run.order);
     cns_summary_long(s, "steps", result->steps);
     cns_summary_long(s, "events", result->events);
-    cns_summary_text(s, "kernel", "mpfr");
+    cns_summary_text(s, "kernel", result->run.kernel);
     cns_summary_seconds(s, "wall_s", result->wall_s);
     bool written = cns_summary_close(s) != 0;
     int status = cns_page_print(&page);
@@ -120,6 +121,7 @@ static cns_code solve(const cns_case *c, const cns_options *o, const cns_sink *s
                            .every = &c->every,
                            .columns = c->columns,
                            .n_columns = c->n_columns,
+                           .threads = o->threads > 0 ? o->threads : (int)sysconf(_SC_NPROCESSORS_ONLN),
                            .stop = &stop_signal,
                            .sink = sink};
     code = c->has_goal ? cns_solve_goal(&problem, &c->goal, result, err)

@@ -30,9 +30,10 @@ mpfr_prec_t cns_digits_to_bits(long digits)
     return (mpfr_prec_t)((double)digits * CNS_LOG2_10) + 1 + GUARD_BITS;
 }
 
-int cns_order_for(double tolerance_log2)
+int cns_order_for(double tolerance_log2, cns_arithmetic arithmetic)
 {
-    return (int)(1.5 - tolerance_log2 * 0.5 * 0.69314718055994530942) + 1;
+    const double bits_per_order = arithmetic == CNS_ARITH_FAST ? 3.05 : 2 / 0.69314718055994530942;
+    return (int)(1.5 - tolerance_log2 / bits_per_order) + 1;
 }
 
 const cns_arith_ops *cns_flow_arith(const cns_flow_spec *spec)

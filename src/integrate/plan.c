@@ -44,9 +44,9 @@ cns_flow_spec cns_taylor_spec(const cns_problem *p, long digits)
     return (cns_flow_spec){.program = p->program,
                            .scales = p->scales,
                            .method = CNS_METHOD_TAYLOR,
-                           .arithmetic = CNS_ARITH_MPFR,
+                           .arithmetic = CNS_ARITH_FAST,
                            .prec = cns_digits_to_bits(digits),
-                           .order = cns_order_for(tolerance),
+                           .order = cns_order_for(tolerance, CNS_ARITH_FAST),
                            .tolerance_log2 = tolerance,
                            .stop = p->stop};
 }

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ahead.h"
+#include "cns/arith.h"
 #include "core/memory.h"
 #include "num/logs.h"
 #include "solve_inside.h"
@@ -21,10 +23,12 @@ enum {
 /* One or two trajectories walking from row to row. */
 typedef struct walk {
     const cns_problem *p;
-    cns_trajectory *fine, *coarse; /* coarse: NULL without a proof */
-    cns_sample s, c;
-    long digits;  /* printed without a proof: those of the arithmetic */
-    bool explain; /* compare the difference with noise times growth */
+    cns_trajectory *fine;
+    cns_ahead *coarse; /* NULL without a proof */
+    cns_sample s;
+    const cns_sample *c; /* the coarse run's */
+    long digits;         /* printed without a proof: those of the arithmetic */
+    bool explain;        /* compare the difference with noise times growth */
     mpq_t time;
     mpfr_t error, x;
     double error_log10; /* log10 of e, -HUGE_VAL: none */
@@ -34,9 +38,8 @@ typedef struct walk {
 static void walk_clear(walk *w)
 {
     cns_trajectory_free(w->fine);
-    cns_trajectory_free(w->coarse);
+    cns_ahead_free(w->coarse);
     cns_sample_clear(&w->s);
-    cns_sample_clear(&w->c);
     mpq_clear(w->time);
     mpfr_clears(w->error, w->x, (mpfr_ptr)0);
     for (int i = 0; w->text && i < w->p->n_columns; i++)
@@ -45,7 +48,8 @@ static void walk_clear(walk *w)
 }
 
 static cns_code walk_init(walk *w, const cns_problem *p, const cns_flow_spec *fine,
-                          const cns_flow_spec *coarse, long digits, double deadline, cns_error *err)
+                          const cns_flow_spec *coarse, long digits, unsigned long first_row, double deadline,
+                          cns_error *err)
 {
     cns_trajectory_spec spec = {
         .flow = *fine, .initial = p->initial, .outputs = cns_wants_outputs(p), .deadline = deadline};
@@ -65,12 +69,8 @@ static cns_code walk_init(walk *w, const cns_problem *p, const cns_flow_spec *fi
         return CNS_OK;
     spec.flow = *coarse;
     spec.flow.verify = true;
-    w->coarse = cns_trajectory_new(&spec, err);
-    if (!w->coarse)
-        return err->code;
-    mpfr_prec_t coarse_prec = coarse->arithmetic == CNS_ARITH_DOUBLE ? 53 : coarse->prec;
-    return cns_sample_init(&w->c, p->program, coarse_prec) ? CNS_OK
-                                                           : cns_fail(err, CNS_NUMERIC, "out of memory");
+    w->coarse = cns_ahead_new(p, &spec, first_row, p->threads > 1, err);
+    return w->coarse ? CNS_OK : err->code;
 }
 
 static double log2_of(mpfr_srcptr x)
@@ -122,17 +122,17 @@ static cns_code walk_to(walk *w, cns_error *err)
     cns_code code = cns_trajectory_at(w->fine, w->time, &w->s, err);
     if (code || !w->coarse)
         return code;
-    code = cns_trajectory_at(w->coarse, w->time, &w->c, err);
+    code = cns_ahead_next(w->coarse, &w->c, err);
     if (!code && w->explain)
-        code = cns_proof_explained(w->p, &w->s, &w->c, mpq_get_d(w->time), err);
+        code = cns_proof_explained(w->p, &w->s, w->c, mpq_get_d(w->time), err);
     if (code)
         return code;
-    double noise = w->c.error_log2;
+    double noise = w->c->error_log2;
     mpfr_set_zero(w->error, 1);
     for (int i = 0; i < w->s.n_states; i++)
-        differ(w->error, w->s.state[i], w->c.state[i], 1);
+        differ(w->error, w->s.state[i], w->c->state[i], 1);
     for (int i = 0; i < w->s.n_outputs && cns_wants_outputs(w->p); i++)
-        differ(w->error, w->s.output[i], w->c.output[i], 1);
+        differ(w->error, w->s.output[i], w->c->output[i], 1);
     if (w->explain && noise > log2_of(w->error)) { /* a difference can be small by accident */
         mpfr_set_d(w->x, noise, MPFR_RNDU);
         mpfr_exp2(w->error, w->x, MPFR_RNDU);
@@ -155,7 +155,7 @@ static bool is_exact(const walk *w, int column)
     if (c->kind != CNS_COLUMN_STATE)
         return false;
     return mpq_sgn(w->time) == 0 ||
-           (w->coarse && mpfr_zero_p(w->s.state[c->index]) && mpfr_zero_p(w->c.state[c->index]));
+           (w->coarse && mpfr_zero_p(w->s.state[c->index]) && mpfr_zero_p(w->c->state[c->index]));
 }
 
 /* Are all values certain to so many places? */
@@ -284,7 +284,8 @@ static void proof_specs(const cns_problem *p, long digits, cns_flow_spec *fine, 
     fine->safety = FINE_SAFETY_PERCENT / 100.0;
 }
 
-static void describe(cns_run_info *info, long digits, const cns_flow_spec *fine, const cns_flow_spec *coarse)
+static cns_code describe(cns_run_info *info, long digits, const cns_flow_spec *fine,
+                         const cns_flow_spec *coarse, cns_error *err)
 {
     info->digits = digits;
     info->prec = fine->arithmetic == CNS_ARITH_DOUBLE ? 53 : fine->prec;
@@ -293,6 +294,8 @@ static void describe(cns_run_info *info, long digits, const cns_flow_spec *fine,
         info->proof_prec = coarse->arithmetic == CNS_ARITH_DOUBLE ? 53 : coarse->prec;
         info->proof_order = coarse->order;
     }
+    info->kernel = fine->arithmetic == CNS_ARITH_DOUBLE ? "double" : "mpfr";
+    return fine->arithmetic == CNS_ARITH_FAST ? cns_fast_kernel_name(&info->kernel, err) : CNS_OK;
 }
 
 /* One attempt at a goal from row *row on (rows before are final). Returns CNS_OK with *shortage > 0 when the
@@ -306,9 +309,11 @@ static cns_code attempt(const cns_problem *p, const cns_goal *goal, bool last, b
     walk w;
     double since = cns_seconds();
     proof_specs(p, result->run.digits, &fine, &coarse);
-    describe(&result->run, result->run.digits, &fine, &coarse);
     *shortage = 0;
-    cns_code code = walk_init(&w, p, &fine, &coarse, result->run.digits, deadline, err);
+    cns_code code = describe(&result->run, result->run.digits, &fine, &coarse, err);
+    if (code)
+        return code;
+    code = walk_init(&w, p, &fine, &coarse, result->run.digits, *row, deadline, err);
     if (!code)
         code = begin(p, result, err);
     while (!code && cns_row_time(p, *row, w.time)) {
@@ -333,7 +338,7 @@ static cns_code attempt(const cns_problem *p, const cns_goal *goal, bool last, b
         ++*row;
         progress(&w, result, since);
     }
-    if (code == CNS_STOPPED && (cns_trajectory_late(w.fine) || (w.coarse && cns_trajectory_late(w.coarse))))
+    if (code == CNS_STOPPED && (cns_trajectory_late(w.fine) || (w.coarse && cns_ahead_late(w.coarse))))
         code = cns_fail(err, CNS_UNREACHED, "max_time is used up at t = %.12g", mpq_get_d(w.time));
     finish(&w, result);
     walk_clear(&w);
@@ -398,8 +403,8 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
         cns_number_get_mpfr(x, &n->tolerance);
         given.tolerance_log2 = log2_of(x);
         mpfr_clear(x);
-        given.order = cns_order_for(given.tolerance_log2);
     }
+    given.order = cns_order_for(given.tolerance_log2, given.arithmetic);
     if (n->order > 0)
         given.order = (int)n->order;
 
@@ -410,7 +415,8 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
     long fine_digits = n->digits;
     if (prove) {
         fine_digits = (n->digits > 0 ? n->digits : 16) + CNS_PROOF_DIGITS;
-        fine.arithmetic = CNS_ARITH_MPFR;
+        fine.arithmetic =
+            n->method == CNS_METHOD_RK4 || n->arithmetic == CNS_ARITH_MPFR ? CNS_ARITH_MPFR : CNS_ARITH_FAST;
         fine.prec = cns_digits_to_bits(fine_digits);
         if (n->fixed_step) {
             cns_number_set(&half_step, &n->step);
@@ -420,12 +426,16 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
         fine.tolerance_log2 -= CNS_PROOF_DIGITS * CNS_LOG2_10;
         fine.safety = FINE_SAFETY_PERCENT / 100.0;
         if (n->method == CNS_METHOD_TAYLOR)
-            fine.order =
-                n->order > 0 ? given.order + given.order / 8 + 2 : cns_order_for(fine.tolerance_log2);
+            fine.order = n->order > 0 ? given.order + given.order / 8 + 2
+                                      : cns_order_for(fine.tolerance_log2, fine.arithmetic);
         result->run.proof_digits = n->digits > 0 ? n->digits : 16;
     }
-    describe(&result->run, fine_digits, &fine, prove ? &given : NULL);
-    cns_code code = walk_init(&w, p, &fine, prove ? &given : NULL, fine_digits, 0, err);
+    cns_code code = describe(&result->run, fine_digits, &fine, prove ? &given : NULL, err);
+    if (code) {
+        cns_number_clear(&half_step);
+        return code;
+    }
+    code = walk_init(&w, p, &fine, prove ? &given : NULL, fine_digits, 0, 0, err);
     if (!code)
         code = begin(p, result, err);
     for (unsigned long row = 0; !code && cns_row_time(p, row, w.time); row++) {

@@ -117,8 +117,8 @@ static const key_row rows[N_KEYS] = {
     [K_METHOD] = {.section = "numerics", .key = "method", .kind = KEY_WORD, .words = {"taylor", "rk4"},
         .standard = "taylor", .meaning = "how a step is made; rk4 needs a fixed step"},
     [K_ARITHMETIC] = {.section = "numerics", .key = "arithmetic", .kind = KEY_WORD,
-        .words = {"mpfr", "double"}, .standard = "mpfr",
-        .meaning = "double: with rk4, or taylor of order <= " TEXT_OF2(DOUBLE_ORDER) ", and without digits"},
+        .words = {"fast", "mpfr", "double"}, .standard = "fast (taylor) or mpfr (rk4)",
+        .meaning = "fast: fixed point; double: with rk4, or taylor of order <= " TEXT_OF2(DOUBLE_ORDER) ", no digits"},
     [K_DIGITS] = {.section = "numerics", .key = "digits", .kind = KEY_INTEGER,
         .least = 1, .most = LIMIT_DIGITS, .meaning = "decimal digits to compute with; required with mpfr"},
     [K_ORDER] = {.section = "numerics", .key = "order", .kind = KEY_INTEGER, .words = {"auto"},
@@ -764,7 +764,10 @@ static void resolve_numerics(loader *l)
     const key_value *v = l->values;
     l->c->has_numerics = true;
     n->method = given(l, K_METHOD) && v[K_METHOD].word == 1 ? CNS_METHOD_RK4 : CNS_METHOD_TAYLOR;
-    n->arithmetic = given(l, K_ARITHMETIC) && v[K_ARITHMETIC].word == 1 ? CNS_ARITH_DOUBLE : CNS_ARITH_MPFR;
+    static const cns_arithmetic words[] = {CNS_ARITH_FAST, CNS_ARITH_MPFR, CNS_ARITH_DOUBLE};
+    n->arithmetic = given(l, K_ARITHMETIC)        ? words[v[K_ARITHMETIC].word]
+                    : n->method == CNS_METHOD_RK4 ? CNS_ARITH_MPFR
+                                                  : CNS_ARITH_FAST;
     n->digits = given(l, K_DIGITS) ? v[K_DIGITS].integer : 0;
     bool own_order = given(l, K_ORDER) && v[K_ORDER].word < 0;
     n->order = own_order ? v[K_ORDER].integer : 0;
@@ -778,7 +781,7 @@ static void resolve_numerics(loader *l)
     /* Keys that do not go together; after a bad method or arithmetic these would only mislead. */
     bool method_known = v[K_METHOD].node == NULL || given(l, K_METHOD);
     bool arithmetic_known = v[K_ARITHMETIC].node == NULL || given(l, K_ARITHMETIC);
-    if (arithmetic_known && n->arithmetic == CNS_ARITH_MPFR)
+    if (arithmetic_known && n->arithmetic != CNS_ARITH_DOUBLE)
         require(l, K_DIGITS);
     if (arithmetic_known && n->arithmetic == CNS_ARITH_DOUBLE && v[K_DIGITS].node != NULL)
         cns_faults_add(&l->faults, v[K_DIGITS].node->key_mark,
@@ -787,6 +790,8 @@ static void resolve_numerics(loader *l)
         if (v[K_STEP].node == NULL || (given(l, K_STEP) && !n->fixed_step))
             cns_faults_add(&l->faults, place_of(l, K_STEP),
                            "'method: rk4' needs a fixed 'step', such as 1e-3");
+        if (arithmetic_known && n->arithmetic == CNS_ARITH_FAST)
+            cns_faults_add(&l->faults, place_of(l, K_ARITHMETIC), "'method: rk4' computes in mpfr or double");
         if (own_order && n->order != 4)
             cns_faults_add(&l->faults, place_of(l, K_ORDER), "'order' of 'method: rk4' is 4 (or auto)");
         if (!n->auto_tolerance)
@@ -1094,7 +1099,7 @@ static bool print_value(const cns_case *c, key_id k, const char *lead, FILE *out
         text = rows[k].words[n->method == CNS_METHOD_RK4];
         break;
     case K_ARITHMETIC:
-        text = rows[k].words[n->arithmetic == CNS_ARITH_DOUBLE];
+        text = rows[k].words[n->arithmetic == CNS_ARITH_FAST ? 0 : n->arithmetic == CNS_ARITH_MPFR ? 1 : 2];
         break;
     case K_DIGITS:
         integer = n->digits;

@@ -139,7 +139,8 @@ cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err)
     if (!t->begun) {
         if (!run->proof_prec)
             fprintf(out, "# UNPROVEN\n");
-        fprintf(out, "# kernel: mpfr\n# libraries: MPFR %s, GMP %s\n", mpfr_get_version(), gmp_version);
+        fprintf(out, "# kernel: %s\n# libraries: MPFR %s, GMP %s\n", run->kernel, mpfr_get_version(),
+                gmp_version);
         for (int i = 0; i < c->n_columns; i++)
             fprintf(out, "%s,", cns_case_column_name(c, i));
         fprintf(out, "decimals,growth\n");

@@ -72,6 +72,19 @@ static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
     return cns_fast_create(spec, NULL, err);
 }
 
+cns_code cns_fast_kernel_name(const char **name, cns_error *err)
+{
+    const fx_kernel *kernel = fx_kernel_choose(NULL);
+    const char *asked = getenv("CNS_KERNEL");
+    if (!kernel)
+        return cns_fail(
+            err, CNS_USAGE,
+            "CNS_KERNEL=%s: this machine has no such kernel; auto, portable and avx512ifma are known",
+            asked ? asked : "");
+    *name = kernel->name;
+    return CNS_OK;
+}
+
 const char *cns_fast_kernel(const cns_arith *A)
 {
     return A->ops->name;

@@ -98,7 +98,7 @@ static cns_code scale(cns_jet *J, int v, int n, cns_error *err)
 static cns_code quotient(cns_jet *J, int v, int n, cns_error *err)
 {
     int a = J->p->node[v].arg[0], b = J->p->node[v].arg[1], m = J->val[b];
-    if (is_zero(J, b, m))
+    if ((n == 0 || J->singular) && is_zero(J, b, m))
         return singular(J, v, "division by zero", err);
     J->ops->zero(J->A);
     cns_accumulate(J, 1, a, n + m);
