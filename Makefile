@@ -116,6 +116,8 @@ tools: $(TOOLS)
 
 bench: $(BENCHES)
 	@set -e; for b in $(BENCHES); do echo "$$b"; "$$b"; done
+	@if python3 -c 'import heyoka' 2>/dev/null; then python3 tools/bench_heyoka.py; \
+	else echo 'heyoka is not installed: the comparison with it is left out'; fi
 
 # Compiling. An object depends on its source, its headers, and the compiler and flags in use.
 

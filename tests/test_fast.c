@@ -134,9 +134,9 @@ static void check_value(int w, int k, const mpfr_t x, double bound, const char *
 
 /* Random series. */
 
-typedef enum kind { ZERO, RANDOM, ONES, UNEVEN, MIXED, KINDS } kind;
+enum { ZERO, RANDOM, ONES, UNEVEN, MIXED, KINDS };
 
-static void random_value(mpfr_t y, long exp, kind kind)
+static void random_value(mpfr_t y, long exp, int kind)
 {
     mpfr_t t;
     mpfr_set_zero(y, 1);
@@ -155,10 +155,10 @@ static void random_value(mpfr_t y, long exp, kind kind)
 }
 
 /* Series w gets coefficients below 2^(exp - decay k); x what they are once stored. */
-static void fill(int w, int upto, kind kind, long exp, int decay, mpfr_t *x, mpfr_t t)
+static void fill(int w, int upto, int kind, long exp, int decay, mpfr_t *x, mpfr_t t)
 {
     for (int k = 0; k <= upto; k++) {
-        enum kind this = kind == MIXED ? (enum kind)pick(ZERO, UNEVEN) : kind;
+        int this = kind == MIXED ? (int)pick(ZERO, UNEVEN) : kind;
         random_value(t, exp - (long)decay * k, this);
         ALL(ops->set(A, w, k, t, false));
     }
@@ -198,8 +198,8 @@ static void world_init(world *x)
     mpfr_inits2(x->exact, x->c, x->s, x->p, (mpfr_ptr)0);
     mpfr_init2(x->t, prec + 300);
     long eu = pick(-20, 20), ev = one_in(2) ? eu + pick(-4, 4) : pick(-300, 300);
-    fill(U, x->order, (kind)pick(0, KINDS - 1), eu, x->decay, x->u, x->t);
-    fill(V, x->order, (kind)pick(0, KINDS - 1), ev, x->decay, x->v, x->t);
+    fill(U, x->order, (int)pick(0, KINDS - 1), eu, x->decay, x->u, x->t);
+    fill(V, x->order, (int)pick(0, KINDS - 1), ev, x->decay, x->v, x->t);
     random_value(x->t, pick(-30, 30), RANDOM);
     ALL(ops->set(A, C, 0, x->t, true));
     mpfr_set(x->c, x->t, MPFR_RNDN);
@@ -213,8 +213,8 @@ static void world_clear(world *x)
     close_each();
 }
 
-/* Sums of products with a random store. Bounds: a convolution of n + 1 terms drops less than (n + 1)(rows + 1)
- * units (fixed.h); a store rounds once, and a factor spreads a unit over its limbs. */
+/* Sums of products with a random store. Bounds: a convolution of n + 1 terms drops less than (n + 1)(rows +
+ * 1) units (fixed.h); a store rounds once, and a factor spreads a unit over its limbs. */
 
 static void add_product(world *x, const mpfr_t a, const mpfr_t b, int sign)
 {
@@ -326,8 +326,8 @@ static void one_sum(world *x)
     long e, expected;
     ops->get(each[0], x->p, W, k);
     double m = ops->get_2exp(each[0], &e, W, k), wanted = mpfr_get_d_2exp(&expected, x->p, MPFR_RNDN);
-    CHECK(mpfr_zero_p(x->p) ? m == 0 : m == wanted && e == expected, "get_2exp after %s: %a 2^%ld, not %a 2^%ld",
-          what, m, e, wanted, expected);
+    CHECK(mpfr_zero_p(x->p) ? m == 0 : m == wanted && e == expected,
+          "get_2exp after %s: %a 2^%ld, not %a 2^%ld", what, m, e, wanted, expected);
 }
 
 static void one_polynomial(world *x)
@@ -390,6 +390,7 @@ static void one_function(world *x, cns_function f, long exp, bool positive)
     random_value(x->t, exp, RANDOM);
     if (positive)
         mpfr_abs(x->t, x->t, MPFR_RNDN);
+    ALL(ops->begin(A, x->H / 8)); /* a very different step: exponents are chosen anew */
     ALL(ops->begin(A, x->H));
     ALL(ops->set(A, U, 0, x->t, false));
     random_value(x->t, pick(-4, 4), RANDOM);
@@ -472,7 +473,8 @@ static void raised(world *x)
     ALL(ops->begin(A, x->H)); /* the same exponents again, learnt */
     for (int k = 0; k <= upto; k++)
         ALL(ops->set(A, T, k, x->u[k], false));
-    CHECK(exponent_of(T) <= before + 1, "an exponent is learnt too high: %g after %g", exponent_of(T), before);
+    CHECK(exponent_of(T) <= before + 4, "an exponent is learnt too high: %g after %g", exponent_of(T),
+          before);
     before = exponent_of(T);
     if (how == 0) {
         ALL(ops->set(A, T, upto + 1, x->t, false));
@@ -493,7 +495,7 @@ static void raised(world *x)
           "raised by %g bits, reported %d of series %d", by, status.raised, status.raised_series);
     check_value(T, upto + 1, x->s, unit_of(T, upto + 1) + 1 + factor, "raised to");
     for (int k = 0; k <= upto; k++)
-        check_value(T, k, x->u[k], unit_of(T, k) + (by > 0 ? 0 : -1e6), "raised from");
+        check_value(T, k, x->u[k], unit_of(T, k) + 1, "raised from");
 }
 
 START_TEST(a_raise_is_seen_and_keeps_values)
@@ -507,7 +509,7 @@ END_TEST
 static const struct {
     int order;
     mpfr_prec_t prec;
-} full[] = {{66, 200},   {205, 430}, {210, 480},  {200, 490},  {190, 500},
+} full[] = {{66, 200},   {205, 430},   {210, 480},  {200, 490},   {190, 500},
             {700, 1000}, {1108, 3322}, {4200, 500}, {3000, 2600}, {160, 16700}};
 
 static void set_ones(fx *F, int w)
@@ -608,8 +610,9 @@ START_TEST(zero_series)
 }
 END_TEST
 
-/* Expansions of x' = c x - s, s^2 = x^2 + ..., by hand: from one begin to the next the step, the precision and
- * the size of the states change, constants stay; every coefficient is right to the precision of its time. */
+/* Expansions of x' = c x - s, s^2 = x^2 + ..., by hand: from one begin to the next the step, the precision
+ * and the size of the states change, constants stay; every coefficient is right to the precision of its time.
+ */
 START_TEST(begin_again)
 {
     stream = round_seed = test_seed();
@@ -625,11 +628,14 @@ START_TEST(begin_again)
         ALL(ops->set(A, C, 0, c, true));
         double H = 1;
         long size = 0;
+        int kept = 0;
         mpfr_prec_t prec = most;
         for (int again = 0; again < 12; again++) {
             H = one_in(3) ? ldexp(H, (int)pick(-6, 6)) : H * (0.7 + 0.6 * test_random_unit(&stream));
             H = H > 1 ? 1 : H < 1e-3 ? 1e-3 : H;
-            size = one_in(3) ? pick(-90, 90) : size;
+            bool other = one_in(4);
+            kept = other ? 0 : kept + 1; /* expansions of this size */
+            size = other ? pick(-90, 90) : size;
             prec = one_in(3) ? pick(60, most) : prec;
             ALL(cns_fast_set_precision(A, prec));
             ALL(ops->begin(A, H));
@@ -650,9 +656,9 @@ START_TEST(begin_again)
             }
             for (int k = 0; k <= order; k++)
                 check_value(U, k, x[k], exponent_of(U) + 4 - (double)prec, "begun again");
-            /* exponents that were learnt are those of this size, not of the one before */
-            CHECK(exponent_of(U) - (double)size <= 16, "exponent 2^%g for a state of 2^%ld", exponent_of(U),
-                  size);
+            /* exponents fall by at least a limb per expansion */
+            CHECK(kept < 4 || exponent_of(U) - (double)size <= 16, "exponent 2^%g for a state of 2^%ld",
+                  exponent_of(U), size);
             check_same(V, "begun again");
         }
         close_each();
@@ -662,54 +668,10 @@ START_TEST(begin_again)
 }
 END_TEST
 
-/* Exponents carried over to a new arithmetic make it continue with the same bits. */
-static void carried_over(world *x)
-{
-    long e[SERIES], f[SERIES];
-    cns_arith *other[KERNELS];
-    const fx *F = inside(each[0]);
-    cns_arith_spec spec = {SERIES, x->order, F->max_prec};
-    int n = n_each;
-    for (int i = 0; i < n; i++) {
-        cns_fast_get_exponents(each[i], e);
-        other[i] = cns_fast_create(&spec, cns_fast_kernel(each[i]), NULL);
-        ck_assert_ptr_nonnull(other[i]);
-        cns_fast_set_decay(other[i], x->decay);
-        cns_fast_set_precision(other[i], F->prec);
-        ops->set(other[i], C, 0, x->c, true);
-        cns_fast_set_exponents(other[i], e);
-        if (i > 0)
-            ck_assert_mem_eq(e, f, sizeof e);
-        memcpy(f, e, sizeof e);
-    }
-    memcpy(each + (n == 1 ? 1 : 0), other, 0);
-    for (int i = 0; i < n; i++) {
-        cns_arith *pair[KERNELS] = {each[i], other[i]}, *kept[KERNELS];
-        memcpy(kept, each, sizeof kept);
-        memcpy(each, pair, sizeof pair);
-        n_each = 2;
-        ALL(ops->begin(A, x->H));
-        for (int k = 0; k <= x->order; k++) {
-            ALL(ops->set(A, U, k, x->u[k], false));
-            ALL(ops->zero(A); ops->square(A, 1, U, k, 0); ops->scaled(A, 1, C, U, k); ops->store(A, W, k));
-        }
-        check_same(U, "exponents carried over");
-        check_same(W, "exponents carried over");
-        memcpy(each, kept, sizeof kept);
-        n_each = n;
-        ops->destroy(other[i]);
-    }
-}
-
-START_TEST(exponents_carry_over)
-{
-    rounds(300, 30, carried_over);
-}
-END_TEST
-
 START_TEST(what_does_not_fit)
 {
-    static const cns_arith_spec bad[] = {{0, 5, 100}, {3, 0, 100}, {3, 5, 0}, {3, 5, 2000000}, {3, 2000000, 99}};
+    static const cns_arith_spec bad[] = {
+        {0, 5, 100}, {3, 0, 100}, {3, 5, 0}, {3, 5, 2000000}, {3, 2000000, 99}};
     const cns_arith_spec good = {3, 5, 100};
     cns_error err;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -720,3 +682,363 @@ START_TEST(what_does_not_fit)
     ck_assert_int_eq(err.code, CNS_USAGE);
 }
 END_TEST
+
+/* Jets. */
+
+/* A program of the model with some parameters drawn anew. */
+static cns_program *random_program(const char *model, const char *smooth)
+{
+    const cns_model *m = cns_model_find(model);
+    char text[16][32];
+    const char *texts[16];
+    for (int i = 0; i < m->n_parameters; i++) {
+        texts[i] = m->parameters[i].standard;
+        if (one_in(3))
+            continue;
+        double standard = strtod(texts[i], NULL);
+        standard = standard == 0 ? 3 : standard; /* pi */
+        snprintf(text[i], sizeof text[i], "%.9f", standard * (0.4 + 1.2 * test_random_unit(&stream)));
+        texts[i] = text[i];
+    }
+    cns_program_options options = {NULL};
+    cns_number *parameters = numbers_new(m->n_parameters, texts);
+    cns_number *eps = smooth ? numbers_new(1, &smooth) : NULL;
+    options.smooth = eps;
+    cns_program *p;
+    cns_error err;
+    check_ok(cns_model_program(m, parameters, &options, &p, &err), &err);
+    numbers_free(parameters, m->n_parameters);
+    if (eps)
+        numbers_free(eps, 1);
+    return p;
+}
+
+enum { TEXT = 48 };
+
+static void random_states(const cns_program *p, char text[][TEXT], const char **texts, bool zeros)
+{
+    const int n = cns_program_states(p);
+    for (int i = 0; i < n; i++) {
+        double size = n == 3 ? 20 : one_in(5) ? 1e-3 : 2;
+        snprintf(text[i], TEXT, "%.15f", zeros && one_in(8) ? 0 : size * (2 * test_random_unit(&stream) - 1));
+        texts[i] = text[i];
+    }
+}
+
+/* One expansion of all states, coefficient k of state i in c[i (order+1) + k]; false where it is singular. */
+static bool expand(cns_jet *J, int order, double H, mpfr_t *state, int n, mpfr_t *c)
+{
+    cns_error ignored;
+    cns_jet_begin(J, H);
+    for (int i = 0; i < n; i++)
+        cns_jet_set_state(J, i, state[i]);
+    if (cns_jet_expand(J, order, &ignored) || cns_jet_order(J) != order)
+        return false;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k <= order; k++)
+            cns_jet_coefficient(J, c[i * (order + 1) + k], i, k);
+    return true;
+}
+
+/* The step that the last coefficients of an expansion with H = 1 allow. */
+static double step_for(mpfr_t *c, int n, int order, double tolerance_log2)
+{
+    double best = 4;
+    for (int i = 0; i < n; i++)
+        for (int k = (order + 1) / 2 + order / 4; k <= order; k++)
+            best = fmin(best, (tolerance_log2 - log2_of(c[i * (order + 1) + k])) / k);
+    return exp2(best);
+}
+
+static double worst_to_bound, worst_lost; /* log2 of error / bound; of bound / 2^-prec */
+
+/* The error of the fast jet against the plain one at 200 bits more, from the same state with the step H. The
+ * state moves on to the end of the step. */
+static bool one_expansion(cns_jet *fast, cns_jet *plain, int order, double *H, double tolerance_log2,
+                          mpfr_prec_t prec, mpfr_t *state, int n)
+{
+    mpfr_prec_t more = prec + 200;
+    mpfr_t *c = vector_new(n * (order + 1), more), *d = vector_new(n * (order + 1), more), power;
+    bool done = expand(plain, order, 1, state, n, c);
+    if (done) {
+        double factor = exp2(1.3 * test_random_unit(&stream) - (one_in(4) ? 4 : 1));
+        *H = step_for(c, n, order, tolerance_log2) * factor;
+        done = expand(fast, order, *H, state, n, d);
+    }
+    if (done) {
+        double worst = -HUGE_VAL, bound = ops->noise_log2(cns_jet_arith(fast));
+        mpfr_init2(power, more);
+        mpfr_set_ui(power, 1, MPFR_RNDN);
+        for (int i = 0; i < n; i++)
+            mpfr_set_zero(state[i], 1);
+        for (int k = 0; k <= order; k++) {
+            for (int i = 0; i < n; i++) {
+                mpfr_ptr x = c[i * (order + 1) + k];
+                mpfr_mul(x, x, power, MPFR_RNDN);
+                worst = fmax(worst, log2_distance(x, d[i * (order + 1) + k]));
+                mpfr_add(state[i], state[i], x, MPFR_RNDN);
+            }
+            mpfr_mul_d(power, power, *H, MPFR_RNDN);
+        }
+        CHECK(worst == -HUGE_VAL || worst < bound,
+              "order %d, %ld bits, H = %g: an error of 2^%.1f, above its bound 2^%.1f", order, (long)prec, *H,
+              worst, bound);
+        worst_to_bound = fmax(worst_to_bound, worst - bound);
+        worst_lost = fmax(worst_lost, bound + (double)prec);
+        mpfr_clear(power);
+    }
+    vector_free(c, n * (order + 1));
+    vector_free(d, n * (order + 1));
+    return done;
+}
+
+enum { ARCS = 200, GUARD = 28 }; /* GUARD: what the integrator adds to the precision */
+
+START_TEST(jets_keep_their_bound)
+{
+    int arcs = 0, expansions = 0, refused = 0;
+    stream = test_seed();
+    worst_to_bound = worst_lost = -HUGE_VAL;
+    while (arcs < ARCS) {
+        char text[8][TEXT];
+        const char *texts[8];
+        round_seed = stream = test_random(&stream);
+        bool disk = !one_in(5);
+        cns_program *p = random_program(disk ? "apw" : "lorenz", one_in(4) ? "1e-3" : NULL);
+        const int n = cns_program_states(p);
+        long digits = pick(20, one_in(4) ? 200 : 90);
+        mpfr_prec_t prec = cns_digits_to_bits(digits);
+        double tolerance_log2 = DECIMALS((double)digits);
+        int order = cns_order_for(tolerance_log2, CNS_ARITH_FAST);
+        if (one_in(2))
+            order = (int)pick(2, 3 * order / 2);
+        random_states(p, text, texts, true);
+        cns_number *given = numbers_new(n, texts);
+        mpfr_t *state = vector_new(n, prec);
+        for (int i = 0; i < n; i++)
+            cns_number_get_mpfr(state[i], &given[i]);
+        cns_jet *fast = jet_new(p, &cns_arith_fast, order, prec + GUARD);
+        cns_jet *plain = jet_new(p, &cns_arith_mpfr, order, prec + 200);
+        double H;
+        bool done = true;
+        int count = 0;
+        for (int more = one_in(3) ? 3 : 1; done && more > 0; more--, count += done)
+            done = one_expansion(fast, plain, order, &H, tolerance_log2, prec, state, n);
+        arcs += count > 0;
+        expansions += count;
+        refused += !done;
+        cns_jet_free(fast);
+        cns_jet_free(plain);
+        vector_free(state, n);
+        numbers_free(given, n);
+        cns_program_free(p);
+        ck_assert_int_lt(refused, ARCS);
+    }
+    printf("fast: %d expansions of %d random arcs: the largest error is 2^%.1f of its bound (seed %llu)\n",
+           expansions, arcs, worst_to_bound, (unsigned long long)test_seed());
+    fflush(stdout);
+    ck_assert_double_lt(worst_to_bound, 0);
+}
+END_TEST
+
+/* Flows. */
+
+/* A program of the model with its defaults, or with random parameters. */
+static cns_flow *start_flow(const cns_flow_spec *spec, cns_arithmetic arithmetic, const char *const *initial)
+{
+    cns_flow_spec own = *spec;
+    own.arithmetic = arithmetic;
+    return flow_started(&own, initial);
+}
+
+#define FAST                                                                                                 \
+    {                                                                                                        \
+        "0", "0", "1.7", "-0.45", "-0.3", "0.6"                                                              \
+    } /* far from the zeros of the speed */
+#define CASE4                                                                                                \
+    {                                                                                                        \
+        "0", "0", "1", "0", "0.01", "1"                                                                      \
+    }
+static const struct {
+    const char *what, *model, *smooth;
+    const char *initial[6];
+    const char *end, *step;
+    long digits;
+    int order; /* 0: that of the tolerance */
+    double decimals;
+} trajectories[] = {
+    {"case 4, crossings", "apw", NULL, CASE4, "20", NULL, 60, 0, 55},
+    {"order 400", "apw", NULL, FAST, "2", NULL, 100, 400, 96},
+    {"low order", "apw", NULL, FAST, "1", NULL, 14, 7, 11},
+    {"order 500", "apw", NULL, FAST, "1", NULL, 160, 500, 156},
+    {"fixed step", "apw", NULL, FAST, "6", "1/16", 40, 60, 36},
+    {"a long fixed step, of low order", "apw", NULL, FAST, "2", "1/16", 60, 10, 55},
+    {"smoothed, 1e-3", "apw", "1e-3", CASE4, "12", NULL, 60, 0, 56},
+    {"smoothed, 1e-10", "apw", "1e-10", CASE4, "8", NULL, 50, 0, 46},
+    {"smoothed, 1e-30", "apw", "1e-30", CASE4, "8", NULL, 40, 0, 36},
+    {"rest", "apw", NULL, {"0", "0", "1", "0", "0", "0"}, "6", NULL, 50, 0, 46},
+    {"rest, smoothed", "apw", "1e-8", {"0", "0", "1", "0", "0", "0"}, "3", NULL, 40, 0, 36},
+    {"straight down", "apw", NULL, {"0", "0", "0", "0", "0.01", "0"}, "10", NULL, 50, 0, 47},
+    {"straight down from rest", "apw", NULL, {"0", "0", "0", "0", "0", "0"}, "5", NULL, 50, 0, 47},
+    {"turning at rest", "apw", NULL, {"0", "0", "1/2", "0", "0", "-1"}, "5", NULL, 50, 0, 46},
+    {"lorenz", "lorenz", NULL, {"-15.8", "-17.48", "35.64"}, "12", NULL, 80, 0, 68},
+    {"lorenz, on its axis", "lorenz", NULL, {"0", "0", "30"}, "5", NULL, 50, 0, 47},
+    {"lorenz, at rest", "lorenz", NULL, {"0", "0", "0"}, "5", NULL, 50, 0, 47},
+};
+
+START_TEST(flows_agree)
+{
+    cns_program *p = model_program(trajectories[_i].model, trajectories[_i].smooth);
+    const int n = cns_program_states(p);
+    cns_flow_spec spec = taylor_spec(p, trajectories[_i].digits);
+    cns_number *step = trajectories[_i].step ? numbers_new(1, &trajectories[_i].step) : NULL;
+    spec.step = step;
+    if (trajectories[_i].order > 0)
+        spec.order = trajectories[_i].order;
+    mpfr_t *x = vector_new(n, spec.prec), *y = vector_new(n, spec.prec);
+    cns_flow *fast = start_flow(&spec, CNS_ARITH_FAST, trajectories[_i].initial);
+    cns_flow *plain = start_flow(&spec, CNS_ARITH_MPFR, trajectories[_i].initial);
+    flow_to(fast, trajectories[_i].end, x);
+    flow_to(plain, trajectories[_i].end, y);
+    for (int i = 0; i < n; i++) {
+        double size = fmax(0, log2_of(y[i]));
+        check_close(x[i], y[i], size + DECIMALS(trajectories[_i].decimals), "%s, state %d",
+                    trajectories[_i].what, i);
+    }
+    ck_assert_int_eq(cns_flow_events(fast), cns_flow_events(plain));
+    cns_flow_free(fast);
+    cns_flow_free(plain);
+    vector_free(x, n);
+    vector_free(y, n);
+    if (step)
+        numbers_free(step, 1);
+    cns_program_free(p);
+}
+END_TEST
+
+START_TEST(the_reference)
+{
+    static const char *const times[] = {"0.5", "3", "5.5", "10", "15.5", "20"};
+    static const char *const initial[] = CASE4;
+    cns_program *p = model_program("apw", NULL);
+    cns_flow_spec spec = taylor_spec(p, 60);
+    mpfr_t *x = vector_new(6, spec.prec), *y = vector_new(6, spec.prec);
+    cns_flow *f = start_flow(&spec, CNS_ARITH_FAST, initial);
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
+        flow_to(f, times[i], x);
+        reference_row("case4.csv", times[i], y, 6);
+        for (int j = 0; j < 6; j++) /* rounded to 40 decimals */
+            check_close(x[j], y[j], DECIMALS(40) - 0.9, "t = %s, state %d", times[i], j);
+    }
+    ck_assert_int_ge(cns_flow_events(f), 2);
+    cns_flow_free(f);
+    vector_free(x, 6);
+    vector_free(y, 6);
+    cns_program_free(p);
+}
+END_TEST
+
+/* With the same order and fixed step the truncation is the same, and only rounding tells them apart. */
+START_TEST(orders_1_to_400)
+{
+    static const int orders[] = {1,  2,  3,  4,  5,  6,  7,  8,  9,   10,  11,  12,  15,  16, 17,
+                                 23, 24, 25, 31, 33, 63, 64, 65, 100, 191, 192, 193, 256, 400};
+    static const char *const initial[2][6] = {FAST, {"-15.8", "-17.48", "35.64"}};
+    static const char *const h[2] = {"1/64", "1/256"}, *const end[2] = {"1/4", "1/32"};
+    for (int m = 0; m < 2; m++) {
+        cns_program *p = model_program(m == 0 ? "apw" : "lorenz", NULL);
+        const int n = cns_program_states(p);
+        cns_number *step = numbers_new(1, &h[m]);
+        for (size_t i = 0; i < sizeof orders / sizeof *orders; i++) {
+            cns_flow_spec spec = taylor_spec(p, 30);
+            spec.order = orders[i];
+            spec.step = step;
+            mpfr_t *x = vector_new(n, spec.prec), *y = vector_new(n, spec.prec);
+            cns_flow *fast = start_flow(&spec, CNS_ARITH_FAST, initial[m]);
+            cns_flow *plain = start_flow(&spec, CNS_ARITH_MPFR, initial[m]);
+            flow_to(fast, end[m], x);
+            flow_to(plain, end[m], y);
+            for (int j = 0; j < n; j++)
+                check_close(x[j], y[j], DECIMALS(m == 0 ? 31 : 29), "model %d, order %d, state %d", m,
+                            orders[i], j);
+            ck_assert_int_eq(cns_flow_steps(fast), cns_flow_steps(plain));
+            cns_flow_free(fast);
+            cns_flow_free(plain);
+            vector_free(x, n);
+            vector_free(y, n);
+        }
+        numbers_free(step, 1);
+        cns_program_free(p);
+    }
+}
+END_TEST
+
+/* The same steps, the same bits, whatever the kernel. */
+START_TEST(kernels_give_the_same_flows)
+{
+    if (!has_kernel(kernels[1]))
+        return;
+    stream = test_seed() + 77u * (uint64_t)_i;
+    round_seed = stream;
+    char text[8][TEXT];
+    const char *texts[8];
+    static const char *const fixed_step = "1/50";
+    cns_program *p = random_program(one_in(4) ? "lorenz" : "apw", one_in(3) ? "1e-5" : NULL);
+    const int n = cns_program_states(p);
+    cns_flow_spec spec = taylor_spec(p, pick(15, one_in(3) ? 200 : 70));
+    cns_number *step = one_in(5) ? numbers_new(1, &fixed_step) : NULL;
+    spec.step = step;
+    spec.order = step ? (int)pick(1, 90) : one_in(2) ? (int)pick(12, spec.order + 40) : spec.order;
+    spec.verify = false;
+    random_states(p, text, texts, one_in(2));
+    cns_flow *f[KERNELS];
+    for (int i = 0; i < KERNELS; i++) {
+        setenv("CNS_KERNEL", kernels[i], 1);
+        f[i] = start_flow(&spec, CNS_ARITH_FAST, texts);
+    }
+    for (int s = 0; s < 60 && mpfr_cmp_ui(cns_flow_end(f[0]), 4) < 0; s++) {
+        cns_error err[KERNELS];
+        cns_code code = cns_flow_step(f[0], &err[0]);
+        CHECK(cns_flow_step(f[1], &err[1]) == code, "step %d: %s", s, err[code ? 0 : 1].text);
+        if (code) {
+            ck_assert_str_eq(err[0].text, err[1].text);
+            break;
+        }
+        bool same = mpfr_equal_p(cns_flow_end(f[0]), cns_flow_end(f[1])) &&
+                    cns_flow_landed(f[0]) == cns_flow_landed(f[1]) &&
+                    cns_flow_noise_log2(f[0]) == cns_flow_noise_log2(f[1]);
+        for (int i = 0; i < n; i++)
+            same = same && mpfr_equal_p(cns_flow_state(f[0])[i], cns_flow_state(f[1])[i]);
+        CHECK(same, "step %d: kernels differ", s);
+    }
+    for (int i = 0; i < KERNELS; i++)
+        cns_flow_free(f[i]);
+    if (step)
+        numbers_free(step, 1);
+    cns_program_free(p);
+}
+END_TEST
+
+Suite *suite_fast(void)
+{
+    Suite *s = suite_create("fast");
+    TCase *t = tcase_create("primitives");
+    tcase_add_loop_test(t, sums_and_stores, 0, SUM_RUNS);
+    tcase_add_test(t, functions_of_order_0);
+    tcase_add_test(t, a_raise_is_seen_and_keeps_values);
+    tcase_add_loop_test(t, all_ones, 0, (int)(sizeof full / sizeof *full));
+    tcase_add_test(t, zero_series);
+    tcase_add_test(t, begin_again);
+    tcase_add_test(t, what_does_not_fit);
+    suite_add_tcase(s, t);
+    t = tcase_create("jets");
+    tcase_add_test(t, jets_keep_their_bound);
+    suite_add_tcase(s, t);
+    t = tcase_create("flows");
+    tcase_add_loop_test(t, flows_agree, 0, (int)(sizeof trajectories / sizeof *trajectories));
+    tcase_add_test(t, the_reference);
+    tcase_add_test(t, orders_1_to_400);
+    tcase_add_loop_test(t, kernels_give_the_same_flows, 0, 20);
+    suite_add_tcase(s, t);
+    return s;
+}

@@ -41,6 +41,8 @@ typedef struct cns_arith_ops {
      * failed. NULL otherwise: the error is that of the precision. */
     bool in_steps;
     double (*noise_log2)(const cns_arith *A);
+    /* The working precision from the next begin on, at most that of the spec. NULL: it is fixed. */
+    void (*set_precision)(cns_arith *A, mpfr_prec_t prec);
 
     cns_arith *(*create)(const cns_arith_spec *spec, cns_error *err); /* NULL: out of memory or range */
     void (*destroy)(cns_arith *A);

@@ -24,4 +24,13 @@ cns_code cns_growth_follow(cns_growth *g, cns_flow *f, double noise_log2, cns_er
  * of Phi(t, 0); *error_log2 is log2 of the root of the trace of C(t), -HUGE_VAL before any noise. */
 cns_code cns_growth_at(cns_growth *g, const mpq_t t, double *growth, double *error_log2, cns_error *err);
 
+/* Origins: times from which growth is followed, too. cns_growth_mark() makes the beginning of the last step
+ * followed one; cns_growth_since() gives log10 of the Frobenius norm of Phi(t, origin) for the t of the last
+ * cns_growth_at(). Origins are numbered from 0; at most CNS_GROWTH_ORIGINS. */
+#define CNS_GROWTH_ORIGINS 64
+cns_code cns_growth_mark(cns_growth *g, cns_error *err);
+int cns_growth_marks(const cns_growth *g);
+double cns_growth_origin(const cns_growth *g, int origin); /* its time */
+double cns_growth_since(cns_growth *g, int origin);
+
 #endif

@@ -25,18 +25,32 @@ typedef enum cns_arithmetic {
     CNS_ARITH_DOUBLE /* IEEE double; functions by the C library */
 } cns_arithmetic;
 
+/* Precision that falls with time: digits for steps that begin in each of n equal parts of [0, end], never
+ * more than in the part before; the last part's from then on. Noise made at t only matters as far as it grows
+ * to the last row. */
+typedef struct cns_schedule {
+    double end;
+    int n;
+    long *digits;
+} cns_schedule;
+
+long cns_schedule_at(const cns_schedule *s, double t);
+
 typedef struct cns_flow_spec {
     const cns_program *program; /* finished; outlives the flow */
     const double *scales;       /* per state, typical sizes: what tolerances are relative to */
     cns_method method;
     cns_arithmetic arithmetic;
-    bool portable;          /* double: correctly rounded functions, the same bits on every machine */
-    mpfr_prec_t prec;       /* bits; ignored (53) for double */
-    int order;              /* of the Taylor series, >= 1 */
-    const cns_number *step; /* NULL: adaptive; else fixed, > 0; outlives the flow */
-    double tolerance_log2;  /* adaptive: log2 of the local truncation error, in scales */
-    double safety;          /* adaptive: steps are 2^-safety of what the coefficients allow; >= 0 */
-    bool verify;            /* after each step, compare the derivative with the right-hand side */
+    bool portable;                /* double: correctly rounded functions, the same bits on every machine */
+    mpfr_prec_t prec;             /* bits; ignored (53) for double */
+    int order;                    /* of the Taylor series, >= 1 */
+    const cns_number *step;       /* NULL: adaptive; else fixed, > 0; outlives the flow */
+    double tolerance_log2;        /* adaptive: log2 of the local truncation error, in scales */
+    double safety;                /* adaptive: steps are 2^-safety of what the coefficients allow; >= 0 */
+    const cns_schedule *schedule; /* Taylor, adaptive: digits by time instead of prec, order and tolerance,
+                                     which stand for the most; NULL: none. Outlives the flow */
+    long schedule_shift;          /* added to the schedule's digits */
+    bool verify;                  /* after each step, compare the derivative with the right-hand side */
     const volatile sig_atomic_t *stop; /* non-zero: give up (may be NULL) */
 } cns_flow_spec;
 
@@ -45,9 +59,9 @@ typedef struct cns_flow cns_flow;
 /* Digits K mean ceil(K log2 10) bits and guard bits against the rounding inside one step. */
 mpfr_prec_t cns_digits_to_bits(long digits);
 
-/* The order at which a Taylor step of local error 2^tolerance_log2 costs least: 1 - ln(tolerance)/2 (Jorba and
- * Zou 2005, section 3), which makes coefficients fall by 2.9 bits per order; the fast arithmetic wants a little
- * more than the three bits that it is made for. */
+/* The order at which a Taylor step of local error 2^tolerance_log2 costs least: 1 - ln(tolerance)/2 (Jorba
+ * and Zou 2005, section 3), which makes coefficients fall by 2.9 bits per order; the fast arithmetic wants a
+ * little more than the three bits that it is made for. */
 int cns_order_for(double tolerance_log2, cns_arithmetic arithmetic);
 
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err);

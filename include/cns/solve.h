@@ -49,9 +49,9 @@ typedef struct cns_run_info {
     mpfr_prec_t proof_prec;
     int proof_order;
     const char *kernel; /* of the printed run's arithmetic: avx512ifma, portable, mpfr, double */
-    bool planned;  /* by goal: the following are predictions */
-    double growth; /* log10 of the largest growth of noise expected */
-    double margin; /* digits added for its fluctuation */
+    bool planned;       /* by goal: the following are predictions */
+    double growth;      /* log10 of the largest growth of noise expected */
+    double margin;      /* digits added for its fluctuation */
     double steps, seconds;
 } cns_run_info;
 
@@ -103,6 +103,10 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *numerics, 
                             cns_result *result, cns_error *err);
 
 /* What a goal needs, from a preliminary run in double with tangents: see plan.c. */
-cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_error *err);
+/* schedule->digits has room for CNS_PLAN_PARTS numbers: the digits of the coarser run by time,
+ * plan->proof_digits being the most. */
+#define CNS_PLAN_PARTS 64
+cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_schedule *schedule,
+                  cns_error *err);
 
 #endif

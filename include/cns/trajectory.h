@@ -17,9 +17,11 @@ typedef struct cns_trajectory cns_trajectory;
 typedef struct cns_trajectory_spec {
     cns_flow_spec flow;
     const cns_number *initial; /* one per state; outlives the trajectory */
-    bool outputs;              /* compute the program's outputs, too */
-    double unit_noise;         /* if not 0, log2 of the noise of every step, instead of the flow's own */
-    double deadline;           /* of cns_seconds(); 0: none. After it, CNS_STOPPED with stopped_late */
+    bool origins;              /* follow growth from times spread evenly up to `end`, for planning */
+    double end;
+    bool outputs;      /* compute the program's outputs, too */
+    double unit_noise; /* if not 0, log2 of the noise of every step, instead of the flow's own */
+    double deadline;   /* of cns_seconds(); 0: none. After it, CNS_STOPPED with stopped_late */
 } cns_trajectory_spec;
 
 cns_trajectory *cns_trajectory_new(const cns_trajectory_spec *spec, cns_error *err);
@@ -29,6 +31,7 @@ void cns_trajectory_free(cns_trajectory *t);
 cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, cns_error *err);
 
 cns_flow *cns_trajectory_flow(cns_trajectory *t);
+cns_growth *cns_trajectory_growth(cns_trajectory *t);
 bool cns_trajectory_late(const cns_trajectory *t); /* was the deadline the reason? */
 
 bool cns_sample_init(cns_sample *s, const cns_program *p, mpfr_prec_t prec); /* false: out of memory */

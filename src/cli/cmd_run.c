@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "cns/arith.h"
 #include "cns/solve.h"
 #include "cns/summary.h"
 #include "cns/table.h"
@@ -143,6 +144,11 @@ int cns_cmd_run(const cns_options *o)
         fprintf(stderr, "%s:1:1: neither 'goal' nor 'numerics': `cns run` needs one of them\n", c->name);
         cns_case_free(c);
         return CNS_USAGE;
+    }
+    const char *kernel; /* a wrong CNS_KERNEL is a usage error before anything is opened */
+    if (cns_fast_kernel_name(&kernel, &err)) {
+        cns_case_free(c);
+        return cns_complain(err.code, "%s", err.text);
     }
     run_context r = {.o = o, .c = c};
     if (!o->yaml || o->output) {

@@ -36,6 +36,12 @@ int cns_order_for(double tolerance_log2, cns_arithmetic arithmetic)
     return (int)(1.5 - tolerance_log2 / bits_per_order) + 1;
 }
 
+long cns_schedule_at(const cns_schedule *s, double t)
+{
+    double part = t / s->end * s->n;
+    return s->digits[part < 0 ? 0 : part < s->n ? (int)part : s->n - 1];
+}
+
 const cns_arith_ops *cns_flow_arith(const cns_flow_spec *spec)
 {
     if (spec->arithmetic == CNS_ARITH_DOUBLE)
@@ -197,6 +203,7 @@ cns_code cns_flow_step(cns_flow *f, cns_error *err)
         f->last.limit = &f->tau;
     }
     f->last.landed = false;
+    f->last.t0 = mpfr_get_d(f->t0, MPFR_RNDN);
     cns_code code = f->ops->step(f->stepper, &f->last, f->x0, f->x1, &inner);
     if (!code) {
         if (f->spec.step && !f->last.landed) {

@@ -23,9 +23,13 @@ struct cns_growth {
     double unit;       /* its unit of time: tau = (t - base) / unit */
     double reach;      /* how far it is good for, in that unit */
     bool expanded;
-    double *m, *product; /* d x d, row-major, scratch */
-    double *phi, *c;     /* at the base */
-    double *row_phi, *row_c;
+    double *m, *product;             /* d x d, row-major, scratch */
+    double *phi, *c;                 /* at the base */
+    double *row_phi, *row_c, *row_m; /* the same, and the tangents from the base, at the last row */
+    double *origin;                  /* d x d each: the propagators from the origins to the base */
+    long origin_e[CNS_GROWTH_ORIGINS];
+    double origin_time[CNS_GROWTH_ORIGINS];
+    int origins;
     long phi_e, c_e; /* their exponents: the matrix is phi 2^phi_e */
     bool landed;     /* the flow's last step ended on a kink */
     double pending;  /* noise of steps since the base: log2 of the sum of squares, -HUGE_VAL: none */
@@ -55,7 +59,7 @@ cns_growth *cns_growth_new(const cns_program *p, const double *scales, cns_error
         return g;
     size_t square = (size_t)g->d * (size_t)g->d;
     g->state = calloc((size_t)g->d, sizeof *g->state);
-    g->m = calloc(6 * square, sizeof *g->m);
+    g->m = calloc(7 * square, sizeof *g->m);
     if (!g->state || !g->m) {
         cns_fail(err, CNS_NUMERIC, "out of memory");
         cns_growth_free(g);
@@ -66,6 +70,7 @@ cns_growth *cns_growth_new(const cns_program *p, const double *scales, cns_error
     g->c = g->m + 3 * square;
     g->row_phi = g->m + 4 * square;
     g->row_c = g->m + 5 * square;
+    g->row_m = g->m + 6 * square;
     if (cns_tangent_program(p, g->d, &g->program, err)) {
         cns_growth_free(g);
         return NULL;
@@ -90,6 +95,7 @@ void cns_growth_free(cns_growth *g)
     free(g->scale);
     free(g->state);
     free(g->m);
+    free(g->origin);
     free(g);
 }
 
@@ -98,6 +104,7 @@ void cns_growth_start(cns_growth *g)
     size_t square = (size_t)g->d * (size_t)g->d;
     g->expanded = g->landed = false;
     g->phi_e = g->c_e = 0;
+    g->origins = 0;
     g->pending = -HUGE_VAL;
     if (g->d == 0)
         return;
@@ -206,6 +213,58 @@ static void transport(cns_growth *g, double tau, double *phi, long *phi_e, doubl
     inject(c, c_e, d, g->pending);
 }
 
+/* Moves the base itself by tau units: everything kept there is transported. */
+static void move_base(cns_growth *g, double tau, double *state)
+{
+    transport(g, tau, g->phi, &g->phi_e, g->c, &g->c_e, state);
+    const size_t square = (size_t)g->d * (size_t)g->d;
+    for (int i = 0; i < g->origins; i++) { /* g->m is still the tangents at tau */
+        double *phi = g->origin + (size_t)i * square;
+        multiply(g->product, g->m, phi, g->d);
+        memcpy(phi, g->product, square * sizeof *phi);
+        normalise(phi, g->d * g->d, &g->origin_e[i]);
+    }
+    g->pending = -HUGE_VAL;
+}
+
+cns_code cns_growth_mark(cns_growth *g, cns_error *err)
+{
+    const size_t square = (size_t)g->d * (size_t)g->d;
+    if (!g->origin)
+        g->origin = calloc(square * CNS_GROWTH_ORIGINS + 1, sizeof *g->origin);
+    if (!g->origin)
+        return cns_fail(err, CNS_NUMERIC, "out of memory");
+    if (g->origins == CNS_GROWTH_ORIGINS || !g->expanded)
+        return CNS_OK;
+    double *phi = g->origin + (size_t)g->origins * square;
+    memset(phi, 0, square * sizeof *phi);
+    for (int i = 0; i < g->d; i++)
+        phi[i * g->d + i] = 1;
+    g->origin_time[g->origins] = mpfr_get_d(g->base, MPFR_RNDN);
+    g->origin_e[g->origins++] = 0;
+    return CNS_OK;
+}
+
+double cns_growth_origin(const cns_growth *g, int origin)
+{
+    return g->origin_time[origin];
+}
+
+int cns_growth_marks(const cns_growth *g)
+{
+    return g->origins;
+}
+
+double cns_growth_since(cns_growth *g, int origin)
+{
+    const double *phi = g->origin + (size_t)origin * (size_t)g->d * (size_t)g->d;
+    double sum = 0;
+    multiply(g->product, g->row_m, phi, g->d);
+    for (int i = 0; i < g->d * g->d; i++)
+        sum += g->product[i] * g->product[i];
+    return sum > 0 ? 0.5 * cns_log10_2exp(sum, 2 * g->origin_e[origin]) : -HUGE_VAL;
+}
+
 static bool expand(cns_growth *g, double length, cns_error *err)
 {
     int d = g->d;
@@ -258,8 +317,7 @@ static cns_code bring_within_reach(cns_growth *g, mpfr_srcptr t, double *tau, cn
     double rest = since_base(g, t);
     while (rest / g->unit > g->reach * 1.0000001) {
         double step = g->reach * g->unit;
-        transport(g, g->reach, g->phi, &g->phi_e, g->c, &g->c_e, g->state);
-        g->pending = -HUGE_VAL;
+        move_base(g, g->reach, g->state);
         mpfr_set_d(g->x, step, MPFR_RNDN);
         mpfr_add(g->base, g->base, g->x, MPFR_RNDN);
         rest -= step;
@@ -294,8 +352,7 @@ cns_code cns_growth_follow(cns_growth *g, cns_flow *f, double noise_log2, cns_er
             cns_code code = bring_within_reach(g, t0, &tau, err);
             if (code)
                 return code;
-            transport(g, tau, g->phi, &g->phi_e, g->c, &g->c_e, NULL);
-            g->pending = -HUGE_VAL;
+            move_base(g, tau, NULL);
         }
         mpfr_set_prec(g->base, mpfr_get_prec(t0));
         mpfr_set(g->base, t0, MPFR_RNDN);
@@ -354,6 +411,7 @@ cns_code cns_growth_at(cns_growth *g, const mpq_t t, double *growth, double *err
         return code;
     double *phi = g->row_phi, *c = g->row_c, trace = 0;
     transport(g, tau, phi, &phi_e, c, &c_e, NULL);
+    memcpy(g->row_m, g->m, (size_t)(g->d * g->d) * sizeof *g->m);
     double norm = spectral_norm(g, phi);
     for (int i = 0; i < g->d; i++)
         trace += c[i * g->d + i];

@@ -7,6 +7,7 @@
 
 typedef struct cns_step {
     mpfr_t h;            /* out: the length of the step, at the precision of time; in: see limit */
+    double t0;           /* in: when it begins */
     const mpfr_t *limit; /* fixed step: the step to take unless a kink comes first; NULL: choose */
     bool landed;         /* out */
     double noise_log2;   /* out: log2 of the step's own error, rounding or truncation, in scales */

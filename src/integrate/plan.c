@@ -11,6 +11,7 @@ enum {
     DOUBLE_DIGITS = 16,
     DOUBLE_ORDER = 22,
     SPARE_DIGITS = 5, /* noise constants of a step, and few straddles */
+    LEAST_DIGITS = 10,
     WINDOWS = 64
 };
 
@@ -94,12 +95,56 @@ static double step_ratio(double tolerance_log2, int order)
     return ldexp(m, (int)e);
 }
 
-cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_error *err)
+/* The digits that noise made from each origin on may cost any later row: what it grows to, at most, and a
+ * margin for the part of the way that the preliminary run cannot know. */
+typedef struct needs {
+    int n;
+    double time[CNS_GROWTH_ORIGINS];
+    double from[CNS_GROWTH_ORIGINS]; /* the goal's places and the growth to the row that needs most */
+} needs;
+
+static void add_needs(needs *need, cns_growth *g, double places)
+{
+    for (; need->n < cns_growth_marks(g); need->n++) {
+        need->time[need->n] = cns_growth_origin(g, need->n);
+        need->from[need->n] = places;
+    }
+    for (int i = 0; i < need->n; i++)
+        need->from[i] = fmax(need->from[i], places + fmax(0, cns_growth_since(g, i)));
+}
+
+/* Digits for steps that begin in each part of [0, end]. Noise of many steps adds up, as a random walk. */
+static void fill_schedule(cns_schedule *schedule, const needs *need, double end, double spread,
+                          double trusted, double steps)
+{
+    double later = 0;
+    int origin = need->n - 1;
+    schedule->end = end;
+    schedule->n = CNS_GROWTH_ORIGINS;
+    for (int i = schedule->n - 1; i >= 0; i--) {
+        double begin = end * i / schedule->n;
+        double unknown = fmax(0, end - fmax(trusted, begin));
+        /* The origins within the part, and the last one before it: steps can be longer than parts. */
+        bool before = false;
+        for (; origin >= 0 && !before; origin -= !before) {
+            later = fmax(later, need->from[origin] + 3.5 * spread * sqrt(unknown));
+            before = need->time[origin] <= begin;
+        }
+        schedule->digits[i] = (long)ceil(later + 0.5 * cns_log10_2exp(fmax(1, steps), 0)) + SPARE_DIGITS + 2;
+        if (schedule->digits[i] < LEAST_DIGITS)
+            schedule->digits[i] = LEAST_DIGITS;
+    }
+}
+
+cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_schedule *schedule,
+                  cns_error *err)
 {
     cns_trajectory_spec spec = {.flow = cns_taylor_spec(p, DOUBLE_DIGITS),
                                 .initial = p->initial,
                                 .outputs = cns_wants_outputs(p) && goal->places == CNS_PLACES_SIGNIFICANT,
                                 .deadline = goal->max_time > 0 ? cns_seconds() + goal->max_time : 0,
+                                .origins = true,
+                                .end = cns_number_get_d(p->end),
                                 .unit_noise = -1e-9}; /* one unit per step */
     spec.flow.arithmetic = CNS_ARITH_DOUBLE;
     spec.flow.portable = true;
@@ -127,6 +172,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
     double end = cns_number_get_d(p->end), need = 0, growth = 0, trusted = end;
     double window = end / WINDOWS, window_start = 0, at_start = 0, sum = 0, sum2 = 0;
     int windows = 0;
+    needs by_origin = {0};
     cns_code code = CNS_OK;
     for (unsigned long row = 0; !code && cns_row_time(p, row, time); row++) {
         code = cns_trajectory_at(t, time, &s, &failure);
@@ -144,7 +190,9 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         if (trusted >= end && g > DOUBLE_DIGITS - 3)
             trusted = now;
         growth = fmax(growth, g);
-        need = fmax(need, (double)goal->count + extra_places(p, goal, &s) + g);
+        const double places = (double)goal->count + extra_places(p, goal, &s);
+        need = fmax(need, places + g);
+        add_needs(&by_origin, cns_trajectory_growth(t), places);
     }
     if (code == CNS_STOPPED) {
         code = cns_trajectory_late(t) ? cns_fail(err, CNS_UNREACHED, "max_time is used up while planning")
@@ -158,9 +206,15 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         double untrusted = fmax(0, end - trusted);
         plan->growth = growth;
         plan->margin = 3.5 * sqrt(variance * untrusted);
+        fill_schedule(schedule, &by_origin, end, sqrt(variance), trusted,
+                      (double)cns_flow_steps(cns_trajectory_flow(t)));
         long digits = (long)ceil(need + plan->margin) + SPARE_DIGITS + 2;
-        if (digits < 10)
-            digits = 10;
+        if (digits < LEAST_DIGITS)
+            digits = LEAST_DIGITS;
+        /* Neither estimate is exact: the first part takes the larger, and no part has more. */
+        if (schedule->digits[0] < digits)
+            schedule->digits[0] = digits;
+        digits = schedule->digits[0];
         plan->proof_digits = digits;
         plan->digits = digits + CNS_PROOF_DIGITS;
         cns_flow_spec fine = cns_taylor_spec(p, plan->digits),

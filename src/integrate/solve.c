@@ -276,12 +276,17 @@ static void finish(walk *w, cns_result *result)
     }
 }
 
-/* The specs of the two runs of a proof: the printed one finer in everything. */
-static void proof_specs(const cns_problem *p, long digits, cns_flow_spec *fine, cns_flow_spec *coarse)
+/* The specs of the two runs of a proof, the printed one finer in everything. shift: the digits by which the
+ * coarser run exceeds the schedule. */
+static void proof_specs(const cns_problem *p, long digits, const cns_schedule *schedule, long shift,
+                        cns_flow_spec *fine, cns_flow_spec *coarse)
 {
     *fine = cns_taylor_spec(p, digits);
     *coarse = cns_taylor_spec(p, digits - CNS_PROOF_DIGITS);
     fine->safety = FINE_SAFETY_PERCENT / 100.0;
+    fine->schedule = coarse->schedule = schedule;
+    fine->schedule_shift = shift + CNS_PROOF_DIGITS;
+    coarse->schedule_shift = shift;
 }
 
 static cns_code describe(cns_run_info *info, long digits, const cns_flow_spec *fine,
@@ -301,14 +306,16 @@ static cns_code describe(cns_run_info *info, long digits, const cns_flow_spec *f
 /* One attempt at a goal from row *row on (rows before are final). Returns CNS_OK with *shortage > 0 when the
  * digits do not suffice at *row and may be raised. last: they may not; tie: row *row may have fewer places.
  */
-static cns_code attempt(const cns_problem *p, const cns_goal *goal, bool last, bool tie, double deadline,
-                        unsigned long *row, double *shortage, cns_result *result, cns_error *err)
+static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_schedule *schedule, bool last,
+                        bool tie, double deadline, unsigned long *row, double *shortage, cns_result *result,
+                        cns_error *err)
 {
     const unsigned long short_row = *row;
     cns_flow_spec fine, coarse;
     walk w;
     double since = cns_seconds();
-    proof_specs(p, result->run.digits, &fine, &coarse);
+    const long coarse_digits = result->run.digits - CNS_PROOF_DIGITS;
+    proof_specs(p, result->run.digits, schedule, coarse_digits - schedule->digits[0], &fine, &coarse);
     *shortage = 0;
     cns_code code = describe(&result->run, result->run.digits, &fine, &coarse, err);
     if (code)
@@ -351,15 +358,17 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
     unsigned long row = 0, short_row = 0;
     int stuck = 0;
     bool doubted = false;
+    long digits[CNS_PLAN_PARTS];
+    cns_schedule schedule = {.digits = digits};
     *result = (cns_result){.decimals = -1, .reached = true};
-    cns_code code = cns_plan(p, goal, &result->run, err);
+    cns_code code = cns_plan(p, goal, &result->run, &schedule, err);
     while (!code) {
         bool last = result->run.digits >= goal->max_digits || result->run.attempt > RAISES;
         if (result->run.digits > goal->max_digits)
             result->run.digits =
                 goal->max_digits > CNS_PROOF_DIGITS + 4 ? goal->max_digits : CNS_PROOF_DIGITS + 4;
         result->run.proof_digits = result->run.digits - CNS_PROOF_DIGITS;
-        code = attempt(p, goal, last, stuck >= 2, deadline, &row, &shortage, result, err);
+        code = attempt(p, goal, &schedule, last, stuck >= 2, deadline, &row, &shortage, result, err);
         if (code == CNS_NUMERIC && !doubted && !last) {
             /* Digits lost in the problem itself can look like an error, or like a singularity: ask again with
              * more before saying so. */

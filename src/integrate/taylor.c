@@ -18,10 +18,13 @@ struct cns_stepper {
     cns_jet *scout;   /* in double, to guess the first H */
     double H;         /* of the last expansion */
     double next_log2; /* log2 of the step that the next expansion should allow; HUGE_VAL: no idea */
-    int order;        /* of the last expansion */
-    mpfr_t *poly;     /* its coefficients, spec.order + 1 per state */
-    mpfr_t *watch;    /* those of one watched quantity */
-    bool *landed_on;  /* watched quantities on whose zeros the last step ended */
+    mpfr_prec_t prec; /* of this step, with its tolerance and order: the spec's, or the schedule's */
+    double tolerance_log2;
+    int order_asked;
+    int order;       /* of the last expansion */
+    mpfr_t *poly;    /* its coefficients, spec.order + 1 per state */
+    mpfr_t *watch;   /* those of one watched quantity */
+    bool *landed_on; /* watched quantities on whose zeros the last step ended */
     mpfr_t tau, root, sum, term;
     double noise_log2;
 };
@@ -30,11 +33,12 @@ enum {
     TESTED = 4,
     MAX_STEP_LOG2 = 10,
     SCOUT_ORDER = 24,
-    FAST_GUARD_BITS = 28, /* for block exponents above the size of the states, and for divisions */
+    FAST_GUARD_BITS = 40, /* for block exponents above the size of the states, and for divisions */
     NOISE_BITS = 10,      /* of the 16 guard bits, what the noise of the fast arithmetic may take */
     FAST_TRIES = 5,
     MAX_GAIN_LOG2 = 4, /* a step may grow by so much: coefficients below the noise tell no more */
-    MANTISSA = 24      /* bits of H and of adaptive steps: few, so that time stays exact */
+    LEAST_DIGITS = 8,
+    MANTISSA = 24 /* bits of H and of adaptive steps: few, so that time stays exact */
 };
 
 static void destroy(cns_stepper *s)
@@ -71,11 +75,13 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
     mpfr_inits2(spec->prec, s->tau, s->root, s->sum, s->term, (mpfr_ptr)0);
     if (ops->in_steps) {
         s->fast = new_jet(s, ops, spec->order, spec->prec + FAST_GUARD_BITS, err);
-        s->scout = s->fast ? new_jet(s, &cns_arith_double, SCOUT_ORDER, 53, err) : NULL;
-        s->jet = s->scout ? s->fast : NULL;
-    } else {
-        s->jet = s->plain = new_jet(s, ops, spec->order, spec->prec, err);
+        s->scout = new_jet(s, &cns_arith_double, SCOUT_ORDER, 53, err);
+        s->jet = s->fast;
     }
+    if (!s->jet) /* also where the fast one does not fit */
+        s->jet = s->plain = new_jet(s, ops->in_steps ? &cns_arith_mpfr : ops, spec->order, spec->prec, err);
+    if (ops->in_steps && !s->scout)
+        s->jet = NULL;
     if (!s->jet) {
         destroy(s);
         return NULL;
@@ -96,6 +102,9 @@ static void start(cns_stepper *s)
     for (int w = 0; w < cns_jet_watched(s->jet); w++)
         s->landed_on[w] = false;
     s->next_log2 = HUGE_VAL;
+    s->prec = s->spec.prec;
+    s->tolerance_log2 = s->spec.tolerance_log2;
+    s->order_asked = s->spec.order;
 }
 
 static mpfr_t *coefficients(cns_stepper *s, int i)
@@ -139,8 +148,8 @@ static double allowed_log2(const cns_stepper *s)
 {
     double best = MAX_STEP_LOG2, l;
     for (int k = first_tested(s); k <= s->order; k++)
-        if (norm_log2(s, k, &l) && (s->spec.tolerance_log2 - l) / k < best)
-            best = (s->spec.tolerance_log2 - l) / k;
+        if (norm_log2(s, k, &l) && (s->tolerance_log2 - l) / k < best)
+            best = (s->tolerance_log2 - l) / k;
     return best - s->spec.safety - 1.0 / s->order;
 }
 
@@ -228,8 +237,8 @@ static bool scout(cns_stepper *s, mpfr_t *x)
             middle = fmax(middle, l);
     if (end == -HUGE_VAL || middle == -HUGE_VAL)
         return false;
-    double last = end + (end - middle) / half * (s->spec.order - s->order);
-    s->next_log2 = (s->spec.tolerance_log2 - last) / s->spec.order;
+    double last = end + (end - middle) / half * (s->order_asked - s->order);
+    s->next_log2 = (s->tolerance_log2 - last) / s->order_asked;
     return true;
 }
 
@@ -246,10 +255,10 @@ static bool expand_fast(cns_stepper *s, const cns_step *step, mpfr_t *x)
             H = mpfr_get_d(*step->limit, MPFR_RNDU);
         if (step->limit && mpfr_cmp_d(*step->limit, H) > 0)
             return false;
-        if (expand(s, s->fast, s->spec.order, H, x, &ignored))
+        if (expand(s, s->fast, s->order_asked, H, x, &ignored))
             continue;
         s->noise_log2 = cns_jet_ops(s->fast)->noise_log2(cns_jet_arith(s->fast));
-        if (s->noise_log2 <= NOISE_BITS - (double)s->spec.prec)
+        if (s->noise_log2 <= NOISE_BITS - (double)s->prec)
             return true;
     }
     return false;
@@ -259,10 +268,10 @@ static cns_code expand_any(cns_stepper *s, const cns_step *step, mpfr_t *x, cns_
 {
     if (s->fast && expand_fast(s, step, x))
         return CNS_OK;
-    s->noise_log2 = -(double)s->spec.prec;
+    s->noise_log2 = -(double)s->prec;
     if (!s->plain)
         s->plain = new_jet(s, &cns_arith_mpfr, s->spec.order, s->spec.prec, err);
-    return s->plain ? expand(s, s->plain, s->spec.order, 1, x, err) : err->code;
+    return s->plain ? expand(s, s->plain, s->order_asked, 1, x, err) : err->code;
 }
 
 /* Is it certain that the watched polynomial has no root in (0, tau], because its first coefficient outweighs
@@ -315,7 +324,7 @@ static void approach(cns_stepper *s, const mpfr_t distance, mpfr_t h)
         return;
     mpfr_prec_round(s->sum, MANTISSA, MPFR_RNDD);
     mpfr_set(h, s->sum, MPFR_RNDN);
-    mpfr_prec_round(s->sum, s->spec.prec, MPFR_RNDN);
+    mpfr_prec_round(s->sum, s->prec, MPFR_RNDN);
 }
 
 /* A step towards a zero of u in sqrt(u^2 + eps^2), at tau = s->root, goes at most half way to the
@@ -383,8 +392,35 @@ static void set_zeros(cns_stepper *s, mpfr_t *y)
     }
 }
 
+/* Precision, tolerance and order for a step that begins at t. Numbers that hold coefficients follow, so that
+ * evaluation gets cheaper, too. */
+static void choose_accuracy(cns_stepper *s, double t)
+{
+    if (!s->spec.schedule)
+        return;
+    long digits = cns_schedule_at(s->spec.schedule, t) + s->spec.schedule_shift;
+    mpfr_prec_t prec = cns_digits_to_bits(digits < LEAST_DIGITS ? LEAST_DIGITS : digits);
+    if (prec >= s->prec)
+        return;
+    s->prec = prec;
+    s->tolerance_log2 = -(double)digits * CNS_LOG2_10;
+    s->order_asked = cns_order_for(s->tolerance_log2, s->spec.arithmetic);
+    for (int i = 0; i < s->n * (s->spec.order + 1); i++)
+        mpfr_set_prec(s->poly[i], prec);
+    for (int k = 0; k <= s->spec.order; k++)
+        mpfr_set_prec(s->watch[k], prec);
+    mpfr_set_prec(s->tau, prec);
+    mpfr_set_prec(s->root, prec);
+    mpfr_set_prec(s->sum, prec);
+    mpfr_set_prec(s->term, prec);
+    const cns_arith_ops *ops = cns_flow_arith(&s->spec);
+    if (s->fast && ops->set_precision)
+        ops->set_precision(cns_jet_arith(s->fast), prec + FAST_GUARD_BITS);
+}
+
 static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_error *err)
 {
+    choose_accuracy(s, step->t0);
     cns_code code = expand_any(s, step, x, err);
     if (code)
         return code;
@@ -405,7 +441,7 @@ static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_e
     if (code)
         return code;
     double truncation = truncation_log2(s, log2_of(step->h) - H_log2);
-    s->noise_log2 = step->noise_log2 = fmax(truncation, fmax(s->noise_log2, -(double)s->spec.prec));
+    s->noise_log2 = step->noise_log2 = fmax(truncation, fmax(s->noise_log2, -(double)s->prec));
     eval(s, step->h, y);
     if (step->landed)
         set_zeros(s, y);
@@ -432,7 +468,7 @@ static void derivative(cns_stepper *s, const mpfr_t t, mpfr_t *dx, mpfr_t tolera
     /* Rounding: a few dozen operations, relative to the largest terms. Truncation: the state's error times
      * order/h, and room for a tail that the last coefficients belittle, as they can by a few digits where a
      * pair of singularities makes them oscillate. The errors looked for are larger by far. */
-    mpfr_set_d(s->sum, largest_log2 + 24 - (double)s->spec.prec, MPFR_RNDU);
+    mpfr_set_d(s->sum, largest_log2 + 24 - (double)s->prec, MPFR_RNDU);
     mpfr_exp2(s->sum, s->sum, MPFR_RNDU);
     mpfr_div(tolerance, s->sum, t, MPFR_RNDU);
     mpfr_set_d(s->sum, s->noise_log2, MPFR_RNDU);

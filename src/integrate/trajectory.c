@@ -108,6 +108,10 @@ cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, c
             return code;
         double noise = t->spec.unit_noise != 0 ? t->spec.unit_noise : cns_flow_noise_log2(t->flow);
         code = cns_growth_follow(t->growth, t->flow, noise, err);
+        const double begin = mpfr_get_d(cns_flow_begin(t->flow), MPFR_RNDN);
+        if (!code && t->spec.origins &&
+            begin >= t->spec.end / CNS_GROWTH_ORIGINS * cns_growth_marks(t->growth))
+            code = cns_growth_mark(t->growth, err);
         if (code)
             return code;
     }
@@ -120,6 +124,11 @@ cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, c
 cns_flow *cns_trajectory_flow(cns_trajectory *t)
 {
     return t->flow;
+}
+
+cns_growth *cns_trajectory_growth(cns_trajectory *t)
+{
+    return t->growth;
 }
 
 bool cns_trajectory_late(const cns_trajectory *t)

@@ -7,7 +7,8 @@
 #include <string.h>
 
 #define GRAIN  4 /* block exponents are multiples of it, so that sums of products often share theirs */
-#define MARGIN 2 /* bits left free above the largest coefficient seen */
+#define RANGE  (1L << 16) /* of block exponents; a multiple of GRAIN */
+#define MARGIN 2          /* bits left free above the largest coefficient seen */
 
 static long round_up(long e)
 {
@@ -464,12 +465,23 @@ void fx_fill(fx *F, int a, int k)
     }
 }
 
+/* Series that leave the range of exponents are those of a hopeless H: their coefficients square themselves
+ * from order to order. The expansion is marked as failed, and its numbers stay small enough to be thrown
+ * away. */
+static long bounded(fx *F, long exp)
+{
+    if (exp <= RANGE && exp >= -RANGE)
+        return exp;
+    F->singular = true;
+    return exp > 0 ? RANGE : -RANGE;
+}
+
 void fx_choose(fx *F, int w, int k)
 {
     const long bits = bits_of(F->acc.t, F->acc.rows);
     if (bits == LONG_MIN)
         return;
-    F->series[w].exp = round_up(bits + F->acc.exp + (long)F->decay * k + MARGIN);
+    F->series[w].exp = bounded(F, round_up(bits + F->acc.exp + (long)F->decay * k + MARGIN));
     F->series[w].live = true;
 }
 
@@ -477,7 +489,7 @@ void fx_choose(fx *F, int w, int k)
 static void raise_to(fx *F, int w, long bits)
 {
     fx_series *s = &F->series[w];
-    const long exp = round_up(bits + MARGIN);
+    const long exp = bounded(F, round_up(bits + MARGIN));
     const long by = exp - s->exp;
     for (int k = 0; k < s->stored; k++) {
         int64_t *x = value_of(F, s, k);
@@ -518,7 +530,7 @@ void fx_set(fx *F, int w, int k, const mpfr_t y, bool keep)
         s->stored = 0;
     }
     F->kernel->zero(F);
-    if (!mpfr_regular_p(y)) {
+    if (!mpfr_regular_p(y) || mpfr_get_exp(y) > RANGE || mpfr_get_exp(y) < -RANGE) {
         F->singular = F->singular || !mpfr_zero_p(y);
         F->kernel->store(F, w, k);
         return;
@@ -526,10 +538,14 @@ void fx_set(fx *F, int w, int k, const mpfr_t y, bool keep)
     const long decayed = (long)F->decay * k;
     const long bits = (long)mpfr_get_exp(y) + decayed;
     if (!s->live) {
-        s->exp = round_up(bits + MARGIN);
+        s->exp = bounded(F, round_up(bits + MARGIN));
         s->live = true;
     } else if (bits >= s->exp) {
         raise_to(F, w, bits);
+    }
+    if (F->singular) { /* out of range: the value does not fit */
+        F->kernel->store(F, w, k);
+        return;
     }
     const int rows = F->rows[k];
     const long e = (long)mpfr_get_z_2exp(F->z, y) + (long)FX_BITS * rows - (s->exp + 1 - decayed);

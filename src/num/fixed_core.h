@@ -329,7 +329,7 @@ static void put(fx *F, int w, int k, bool nonzero)
         const int64_t first = x[1] + FX_HALF;
         if (x[0] + (first >> FX_BITS) != 0) {
             fx_raise(F, w, k);
-            put(F, w, k, true);
+            put(F, w, k, !F->singular); /* out of range: zero will do, the expansion has failed */
             return;
         }
     }

@@ -6,6 +6,9 @@
 
 #include "num/fixed.h"
 
+/* The kernels' sums of half products stay below 2^63 for fewer than 1024 limbs. */
+enum { MAX_PREC = 52000, MAX_ORDER = 1000000 };
+
 struct cns_arith {
     fx *F;
     const fx_kernel *ops;
@@ -45,8 +48,8 @@ cns_arith *cns_fast_create(const cns_arith_spec *spec, const char *kernel, cns_e
                  kernel != NULL ? kernel : getenv("CNS_KERNEL"));
         return NULL;
     }
-    if (spec->series < 1 || spec->order < 1 || spec->prec < MPFR_PREC_MIN || spec->prec > 1000000 ||
-        spec->order > 1000000) {
+    if (spec->series < 1 || spec->order < 1 || spec->prec < MPFR_PREC_MIN || spec->prec > MAX_PREC ||
+        spec->order > MAX_ORDER) {
         cns_fail(err, CNS_NUMERIC, "the fast arithmetic does not hold %d series of order %d and %ld bits",
                  spec->series, spec->order, (long)spec->prec);
         return NULL;
@@ -112,24 +115,11 @@ void cns_fast_sum(cns_arith *A, mpfr_t y, int a, int n, double tau)
     fx_sum(A->F, y, a, n, tau);
 }
 
-void cns_fast_get_exponents(const cns_arith *A, long *e)
-{
-    for (int i = 0; i < A->F->n_series; i++)
-        e[i] = A->F->series[i].live ? fx_learnt(A->F, i) : LONG_MIN;
-}
-
-void cns_fast_set_exponents(cns_arith *A, const long *e)
-{
-    for (int i = 0; i < A->F->n_series; i++) {
-        if (!A->F->series[i].constant)
-            fx_set_exponent(A->F, i, e[i]);
-    }
-}
-
-/* Block exponents are learnt from the last expansion; one with a rather different H has nothing to teach. */
+/* Block exponents are learnt from the last expansion; one that failed, or with a rather different H, has
+ * nothing to teach. */
 static void begin(cns_arith *A, double H)
 {
-    if (H > 1.5 * A->F->H || A->F->H > 1.5 * H)
+    if (H > 1.5 * A->F->H || A->F->H > 1.5 * H || A->F->singular || A->F->raised > 64)
         for (int i = 0; i < A->F->n_series; i++)
             if (!A->F->series[i].constant) {
                 A->F->series[i].stored = 0;
@@ -286,6 +276,7 @@ const cns_arith_ops cns_arith_fast = {
     .name = "fast",
     .in_steps = true,
     .noise_log2 = noise_log2,
+    .set_precision = cns_fast_set_precision,
     .create = create,
     .destroy = destroy,
     .begin = begin,

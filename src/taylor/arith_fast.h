@@ -5,7 +5,7 @@
  * block exponent of its series, at every order k, provided |a_k| <= 2^e 2^(-decay k). Where a
  * coefficient exceeds that, the block exponent is raised in place and what is stored moves down with it;
  * nothing overflows, but the bits so lost are reported (cns_fast_status). Block exponents are learnt from the
- * last expansion; they are part of a run's state. */
+ * last expansion. */
 #ifndef CNS_TAYLOR_ARITH_FAST_H
 #define CNS_TAYLOR_ARITH_FAST_H
 
@@ -32,10 +32,5 @@ void cns_fast_status_get(const cns_arith *A, cns_fast_status *status);
 
 /* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 1, rounded to y. */
 void cns_fast_sum(cns_arith *A, mpfr_t y, int a, int n, double tau);
-
-/* Block exponents as they stand, spec.series of them; LONG_MIN: none yet. Put back into a new arithmetic
- * before its first begin they make it continue with the same bits. */
-void cns_fast_get_exponents(const cns_arith *A, long *e);
-void cns_fast_set_exponents(cns_arith *A, const long *e);
 
 #endif

@@ -1,6 +1,7 @@
 #include "cns/jet.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -253,6 +254,8 @@ static cns_code expand_regular(cns_jet *J, int order, cns_error *err)
         }
         for (int i = 0; i < J->p->n_states; i++)
             next_state(J, i, k);
+        if (k % 8 == 7 && J->ops->in_steps && J->ops->noise_log2(J->A) == HUGE_VAL)
+            return cns_fail(err, CNS_NUMERIC, "the coefficients are out of range");
     }
     J->order = order;
     return CNS_OK;
