@@ -43,6 +43,8 @@ typedef struct cns_arith_ops {
     double (*noise_log2)(const cns_arith *A);
     /* The working precision from the next begin on, at most that of the spec. NULL: it is fixed. */
     void (*set_precision)(cns_arith *A, mpfr_prec_t prec);
+    /* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 1. NULL: the caller sums coefficients itself. */
+    void (*sum)(cns_arith *A, mpfr_t y, int a, int n, double tau);
 
     cns_arith *(*create)(const cns_arith_spec *spec, cns_error *err); /* NULL: out of memory or range */
     void (*destroy)(cns_arith *A);

@@ -21,8 +21,9 @@ struct cns_stepper {
     mpfr_prec_t prec; /* of this step, with its tolerance and order: the spec's, or the schedule's */
     double tolerance_log2;
     int order_asked;
-    int order;       /* of the last expansion */
-    mpfr_t *poly;    /* its coefficients, spec.order + 1 per state */
+    int order;    /* of the last expansion */
+    mpfr_t *poly; /* its coefficients, spec.order + 1 per state, once loaded */
+    bool loaded;
     mpfr_t *watch;   /* those of one watched quantity */
     bool *landed_on; /* watched quantities on whose zeros the last step ended */
     mpfr_t tau, root, sum, term;
@@ -196,8 +197,18 @@ static void set_tau(cns_stepper *s, const mpfr_t t)
         mpfr_div_d(s->tau, t, s->H, MPFR_RNDN);
 }
 
+/* Coefficients cross from the arithmetic only when something between the ends of a step is asked for. */
+static void load(cns_stepper *s)
+{
+    for (int i = 0; i < s->n && !s->loaded; i++)
+        for (int k = 0; k <= s->order; k++)
+            cns_jet_coefficient(s->jet, coefficients(s, i)[k], i, k);
+    s->loaded = true;
+}
+
 static void eval(cns_stepper *s, const mpfr_t t, mpfr_t *x)
 {
+    load(s);
     set_tau(s, t);
     for (int i = 0; i < s->n; i++) {
         horner(s->sum, coefficients(s, i), s->order, s->tau);
@@ -424,14 +435,15 @@ static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_e
     cns_code code = expand_any(s, step, x, err);
     if (code)
         return code;
-    for (int i = 0; i < s->n; i++)
-        for (int k = 0; k <= s->order; k++) {
-            cns_jet_coefficient(s->jet, coefficients(s, i)[k], i, k);
+    bool in_steps = s->jet == s->fast;
+    s->loaded = false;
+    if (!in_steps)
+        load(s);
+    for (int i = 0; i < s->n && !in_steps; i++)
+        for (int k = 0; k <= s->order; k++)
             if (!mpfr_number_p(coefficients(s, i)[k]))
                 return cns_fail(err, CNS_NUMERIC, "coefficient %d of state %d is out of range", k, i);
-        }
     double allowed = allowed_log2(s), H_log2 = cns_log2_2exp(s->H, 0);
-    bool in_steps = s->jet == s->fast;
     s->next_log2 = H_log2 + (in_steps && allowed > MAX_GAIN_LOG2 ? MAX_GAIN_LOG2 : allowed);
     if (step->limit)
         mpfr_set(step->h, *step->limit, MPFR_RNDN);
@@ -442,7 +454,12 @@ static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_e
         return code;
     double truncation = truncation_log2(s, log2_of(step->h) - H_log2);
     s->noise_log2 = step->noise_log2 = fmax(truncation, fmax(s->noise_log2, -(double)s->prec));
-    eval(s, step->h, y);
+    if (in_steps && !step->landed && mpfr_cmp_d(step->h, s->H) == 0)
+        for (int i = 0; i < s->n; i++)
+            cns_jet_ops(s->jet)->sum(cns_jet_arith(s->jet), y[i], cns_jet_state_series(s->jet, i), s->order,
+                                     1);
+    else
+        eval(s, step->h, y);
     if (step->landed)
         set_zeros(s, y);
     return CNS_OK;
@@ -451,6 +468,7 @@ static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_e
 /* dx/dt at time t after the beginning, and a bound on its error. */
 static void derivative(cns_stepper *s, const mpfr_t t, mpfr_t *dx, mpfr_t tolerance)
 {
+    load(s);
     set_tau(s, t);
     double tau_log2 = log2_of(s->tau), largest_log2 = tau_log2; /* of the terms of tau dx/dtau, or 1 / dt */
     for (int i = 0; i < s->n; i++) {

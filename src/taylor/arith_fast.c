@@ -277,6 +277,7 @@ const cns_arith_ops cns_arith_fast = {
     .in_steps = true,
     .noise_log2 = noise_log2,
     .set_precision = cns_fast_set_precision,
+    .sum = cns_fast_sum,
     .create = create,
     .destroy = destroy,
     .begin = begin,
