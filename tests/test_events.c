@@ -879,7 +879,8 @@ START_TEST(digits_and_orders)
         ck_assert_int_le(cns_digits_to_bits(digits), (long)((double)digits * 3.33) + 64);
     }
     ck_assert_int_ge(cns_order_for(-1, CNS_ARITH_MPFR), 1);
-    ck_assert_int_eq(cns_order_for(-100 * 3.3219280948873623, CNS_ARITH_MPFR), 117); /* 1 + 100 ln(10)/2 = 116.1 */
+    ck_assert_int_eq(cns_order_for(-100 * 3.3219280948873623, CNS_ARITH_MPFR),
+                     117); /* 1 + 100 ln(10)/2 = 116.1 */
 }
 END_TEST
 

@@ -49,6 +49,12 @@ const cns_arith_ops *cns_flow_arith(const cns_flow_spec *spec)
     return spec->arithmetic == CNS_ARITH_FAST ? &cns_arith_fast : &cns_arith_mpfr;
 }
 
+const cns_arith_ops *cns_flow_plain_arith(const cns_flow_spec *spec)
+{
+    const cns_arith_ops *ops = cns_flow_arith(spec);
+    return ops->in_steps ? &cns_arith_mpfr : ops;
+}
+
 mpfr_t *cns_vector_new(int n, mpfr_prec_t prec)
 {
     mpfr_t *v = malloc(((size_t)n + 1) * sizeof *v);

@@ -120,7 +120,7 @@ static void fill_schedule(cns_schedule *schedule, const needs *need, double end,
     double later = 0;
     int origin = need->n - 1;
     schedule->end = end;
-    schedule->n = CNS_GROWTH_ORIGINS;
+    schedule->n = CNS_PLAN_PARTS;
     for (int i = schedule->n - 1; i >= 0; i--) {
         double begin = end * i / schedule->n;
         double unknown = fmax(0, end - fmax(trusted, begin));

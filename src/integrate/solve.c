@@ -73,15 +73,6 @@ static cns_code walk_init(walk *w, const cns_problem *p, const cns_flow_spec *fi
     return w->coarse ? CNS_OK : err->code;
 }
 
-static double log2_of(mpfr_srcptr x)
-{
-    long e;
-    if (mpfr_zero_p(x))
-        return -HUGE_VAL;
-    double m = fabs(mpfr_get_d_2exp(&e, x, MPFR_RNDN));
-    return cns_log2_2exp(m, e);
-}
-
 /* Raises largest to |a - b| / scale. */
 static void differ(mpfr_t largest, mpfr_srcptr a, mpfr_srcptr b, double scale)
 {
@@ -105,7 +96,7 @@ cns_code cns_proof_explained(const cns_problem *p, const cns_sample *fine, const
     for (int i = 0; i < fine->n_states; i++)
         if (cns_program_is_dynamic(p->program, i))
             differ(largest, fine->state[i], coarse->state[i], p->scales[i]);
-    double noise = coarse->error_log2, difference = log2_of(largest);
+    double noise = coarse->error_log2, difference = cns_log2_mpfr(largest);
     mpfr_clear(largest);
     if (noise == -HUGE_VAL || difference <= noise + NOISE_SLACK)
         return CNS_OK;
@@ -133,12 +124,12 @@ static cns_code walk_to(walk *w, cns_error *err)
         differ(w->error, w->s.state[i], w->c->state[i], 1);
     for (int i = 0; i < w->s.n_outputs && cns_wants_outputs(w->p); i++)
         differ(w->error, w->s.output[i], w->c->output[i], 1);
-    if (w->explain && noise > log2_of(w->error)) { /* a difference can be small by accident */
+    if (w->explain && noise > cns_log2_mpfr(w->error)) { /* a difference can be small by accident */
         mpfr_set_d(w->x, noise, MPFR_RNDU);
         mpfr_exp2(w->error, w->x, MPFR_RNDU);
     }
     mpfr_mul_2ui(w->error, w->error, CNS_PROOF_SAFETY_LOG2, MPFR_RNDU);
-    w->error_log10 = log2_of(w->error) * CNS_LOG10_2;
+    w->error_log10 = cns_log2_mpfr(w->error) * CNS_LOG10_2;
     return CNS_OK;
 }
 
@@ -231,7 +222,7 @@ static long as_decimals(const walk *w, cns_places places, long count)
         mpfr_t x;
         mpfr_init2(x, mpfr_get_prec(value(w, i)));
         mpfr_abs(x, value(w, i), MPFR_RNDN);
-        long decimals = count - 1 - (long)floor(log2_of(x) * CNS_LOG10_2);
+        long decimals = count - 1 - (long)floor(cns_log2_mpfr(x) * CNS_LOG10_2);
         mpfr_clear(x);
         if (least < 0 || decimals < least)
             least = decimals > 0 ? decimals : 0;
@@ -410,7 +401,7 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
         mpfr_t x;
         mpfr_init2(x, 64);
         cns_number_get_mpfr(x, &n->tolerance);
-        given.tolerance_log2 = log2_of(x);
+        given.tolerance_log2 = cns_log2_mpfr(x);
         mpfr_clear(x);
     }
     given.order = cns_order_for(given.tolerance_log2, given.arithmetic);

@@ -80,7 +80,7 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
         s->jet = s->fast;
     }
     if (!s->jet) /* also where the fast one does not fit */
-        s->jet = s->plain = new_jet(s, ops->in_steps ? &cns_arith_mpfr : ops, spec->order, spec->prec, err);
+        s->jet = s->plain = new_jet(s, cns_flow_plain_arith(spec), spec->order, spec->prec, err);
     if (ops->in_steps && !s->scout)
         s->jet = NULL;
     if (!s->jet) {
@@ -162,13 +162,6 @@ static double truncation_log2(const cns_stepper *s, double tau_log2)
         if (norm_log2(s, k, &l) && l + k * tau_log2 > worst)
             worst = l + k * tau_log2;
     return worst;
-}
-
-static double log2_of(const mpfr_t x)
-{
-    long e;
-    double m = mpfr_get_d_2exp(&e, x, MPFR_RNDN);
-    return cns_log2_2exp(m, e);
 }
 
 /* 2^x, rounded down to few bits. */
@@ -281,7 +274,7 @@ static cns_code expand_any(cns_stepper *s, const cns_step *step, mpfr_t *x, cns_
         return CNS_OK;
     s->noise_log2 = -(double)s->prec;
     if (!s->plain)
-        s->plain = new_jet(s, &cns_arith_mpfr, s->spec.order, s->spec.prec, err);
+        s->plain = new_jet(s, cns_flow_plain_arith(&s->spec), s->spec.order, s->spec.prec, err);
     return s->plain ? expand(s, s->plain, s->order_asked, 1, x, err) : err->code;
 }
 
@@ -452,7 +445,7 @@ static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_e
     code = find_kink(s, step->h, &step->landed, err);
     if (code)
         return code;
-    double truncation = truncation_log2(s, log2_of(step->h) - H_log2);
+    double truncation = truncation_log2(s, cns_log2_mpfr(step->h) - H_log2);
     s->noise_log2 = step->noise_log2 = fmax(truncation, fmax(s->noise_log2, -(double)s->prec));
     if (in_steps && !step->landed && mpfr_cmp_d(step->h, s->H) == 0)
         for (int i = 0; i < s->n; i++)
@@ -470,7 +463,8 @@ static void derivative(cns_stepper *s, const mpfr_t t, mpfr_t *dx, mpfr_t tolera
 {
     load(s);
     set_tau(s, t);
-    double tau_log2 = log2_of(s->tau), largest_log2 = tau_log2; /* of the terms of tau dx/dtau, or 1 / dt */
+    double tau_log2 = cns_log2_mpfr(s->tau),
+           largest_log2 = tau_log2; /* of the terms of tau dx/dtau, or 1 / dt */
     for (int i = 0; i < s->n; i++) {
         mpfr_t *c = coefficients(s, i);
         mpfr_set_zero(s->sum, 1);

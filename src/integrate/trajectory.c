@@ -57,8 +57,7 @@ cns_trajectory *cns_trajectory_new(const cns_trajectory_spec *spec, cns_error *e
     bool wanted = spec->outputs && cns_program_outputs(spec->flow.program) > 0;
     if (t->growth && wanted) {
         cns_jet_spec jet = {.program = spec->flow.program,
-                            .ops = spec->flow.arithmetic == CNS_ARITH_FAST ? &cns_arith_mpfr
-                                                                           : cns_flow_arith(&spec->flow),
+                            .ops = cns_flow_plain_arith(&spec->flow),
                             .order = OUTPUT_ORDER,
                             .prec = cns_flow_prec(t->flow),
                             .outputs = true};
@@ -96,6 +95,13 @@ static void evaluate_outputs(cns_trajectory *t, cns_sample *s)
             mpfr_set_nan(s->output[i]);
 }
 
+/* Has the last step begun at or after the time of the next origin? */
+static bool origin_is_due(const cns_trajectory *t)
+{
+    return mpfr_get_d(cns_flow_begin(t->flow), MPFR_RNDN) >=
+           t->spec.end / CNS_GROWTH_ORIGINS * cns_growth_marks(t->growth);
+}
+
 cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, cns_error *err)
 {
     while (mpfr_cmp_q(cns_flow_end(t->flow), time) < 0) {
@@ -108,9 +114,7 @@ cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, c
             return code;
         double noise = t->spec.unit_noise != 0 ? t->spec.unit_noise : cns_flow_noise_log2(t->flow);
         code = cns_growth_follow(t->growth, t->flow, noise, err);
-        const double begin = mpfr_get_d(cns_flow_begin(t->flow), MPFR_RNDN);
-        if (!code && t->spec.origins &&
-            begin >= t->spec.end / CNS_GROWTH_ORIGINS * cns_growth_marks(t->growth))
+        if (!code && t->spec.origins && origin_is_due(t))
             code = cns_growth_mark(t->growth, err);
         if (code)
             return code;

@@ -36,3 +36,12 @@ double cns_log10_2exp(double m, long e)
 {
     return cns_log2_2exp(m, e) * CNS_LOG10_2;
 }
+
+double cns_log2_mpfr(mpfr_srcptr x)
+{
+    long e;
+    if (mpfr_zero_p(x))
+        return -HUGE_VAL;
+    double m = fabs(mpfr_get_d_2exp(&e, x, MPFR_RNDN));
+    return cns_log2_2exp(m, e);
+}

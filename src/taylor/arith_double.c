@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "cns/arith.h"
+#include "functions.h"
 
 struct cns_arith {
     cns_arith_spec spec;
@@ -138,26 +139,9 @@ static void function(cns_arith *A, cns_function f, int w, int w2, int a, int b)
     mpfr_set_d(x, u, MPFR_RNDN);
     if (b >= 0)
         mpfr_set_d(y, *at(A, b, 0), MPFR_RNDN);
-    switch (f) {
-    case CNS_FN_SQRT:
-        break;
-    case CNS_FN_HYPOT:
-        mpfr_hypot(z, x, y, MPFR_RNDN);
-        break;
-    case CNS_FN_SINCOS:
-        mpfr_sin_cos(z, y, x, MPFR_RNDN);
+    cns_function_mpfr(f, z, y, x, y);
+    if (f == CNS_FN_SINCOS)
         *at(A, w2, 0) = mpfr_get_d(y, MPFR_RNDN);
-        break;
-    case CNS_FN_EXP:
-        mpfr_exp(z, x, MPFR_RNDN);
-        break;
-    case CNS_FN_LOG:
-        mpfr_log(z, x, MPFR_RNDN);
-        break;
-    case CNS_FN_POW:
-        mpfr_pow(z, x, y, MPFR_RNDN);
-        break;
-    }
     *out = mpfr_get_d(z, MPFR_RNDN);
     mpfr_clears(x, y, z, (mpfr_ptr)0);
 }

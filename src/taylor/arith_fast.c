@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "functions.h"
 #include "num/fixed.h"
 
 /* The kernels' sums of half products stay below 2^63 for fewer than 1024 limbs. */
@@ -219,26 +220,7 @@ static void function(cns_arith *A, cns_function f, int w, int w2, int a, int b)
     fx_get(F, F->g, a, 0);
     if (b >= 0)
         fx_get(F, F->g2, b, 0);
-    switch (f) {
-    case CNS_FN_SQRT:
-        mpfr_sqrt(F->g, F->g, MPFR_RNDN);
-        break;
-    case CNS_FN_HYPOT:
-        mpfr_hypot(F->g, F->g, F->g2, MPFR_RNDN);
-        break;
-    case CNS_FN_SINCOS:
-        mpfr_sin_cos(F->g, F->g2, F->g, MPFR_RNDN);
-        break;
-    case CNS_FN_EXP:
-        mpfr_exp(F->g, F->g, MPFR_RNDN);
-        break;
-    case CNS_FN_LOG:
-        mpfr_log(F->g, F->g, MPFR_RNDN);
-        break;
-    case CNS_FN_POW:
-        mpfr_pow(F->g, F->g, F->g2, MPFR_RNDN);
-        break;
-    }
+    cns_function_mpfr(f, F->g, F->g2, F->g, F->g2);
     fx_set(F, w, 0, F->g, false);
     if (f == CNS_FN_SINCOS)
         fx_set(F, w2, 0, F->g2, false);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "cns/arith.h"
+#include "functions.h"
 
 struct cns_arith {
     cns_arith_spec spec;
@@ -193,27 +194,7 @@ static void store_next(cns_arith *A, int x, int k, int c)
 
 static void function(cns_arith *A, cns_function f, int w, int w2, int a, int b)
 {
-    mpfr_ptr x = at(A, w, 0), u = at(A, a, 0);
-    switch (f) {
-    case CNS_FN_SQRT:
-        mpfr_sqrt(x, u, MPFR_RNDN);
-        break;
-    case CNS_FN_HYPOT:
-        mpfr_hypot(x, u, at(A, b, 0), MPFR_RNDN);
-        break;
-    case CNS_FN_SINCOS:
-        mpfr_sin_cos(x, at(A, w2, 0), u, MPFR_RNDN);
-        break;
-    case CNS_FN_EXP:
-        mpfr_exp(x, u, MPFR_RNDN);
-        break;
-    case CNS_FN_LOG:
-        mpfr_log(x, u, MPFR_RNDN);
-        break;
-    case CNS_FN_POW:
-        mpfr_pow(x, u, at(A, b, 0), MPFR_RNDN);
-        break;
-    }
+    cns_function_mpfr(f, at(A, w, 0), w2 < 0 ? NULL : at(A, w2, 0), at(A, a, 0), b < 0 ? NULL : at(A, b, 0));
 }
 
 const cns_arith_ops cns_arith_mpfr = {
