@@ -247,7 +247,7 @@ START_TEST(refuses_numerics)
     bad(MINIMAL "numerics: {digits: 100001}\n",
         "t:3:20: 'digits' in 'numerics' must be an integer from 1 to 100000, not '100001'");
     bad(MINIMAL "numerics: {digits: 20, arithmetic: quad}\n",
-        "t:3:32: 'arithmetic' in 'numerics' must be fast, mpfr or double, not 'quad'");
+        "t:3:36: 'arithmetic' in 'numerics' must be fast, mpfr or double, not 'quad'");
     bad(MINIMAL "numerics: {method: rk4, digits: 20, arithmetic: fast, step: 1e-3}\n",
         "t:3:49: 'method: rk4' computes in mpfr or double");
     bad(MINIMAL "numerics: {digits: 20, order: full}\n",
