@@ -199,14 +199,26 @@ static void load(cns_stepper *s)
     s->loaded = true;
 }
 
-static void eval(cns_stepper *s, const mpfr_t t, mpfr_t *x)
+/* The states at s->tau. */
+static void eval_tau(cns_stepper *s, mpfr_t *x)
 {
+    if (s->jet == s->fast) {
+        for (int i = 0; i < s->n; i++)
+            cns_jet_ops(s->jet)->sum(cns_jet_arith(s->jet), x[i], cns_jet_state_series(s->jet, i), s->order,
+                                     s->tau);
+        return;
+    }
     load(s);
-    set_tau(s, t);
     for (int i = 0; i < s->n; i++) {
         horner(s->sum, coefficients(s, i), s->order, s->tau);
         mpfr_set(x[i], s->sum, MPFR_RNDN);
     }
+}
+
+static void eval(cns_stepper *s, const mpfr_t t, mpfr_t *x)
+{
+    set_tau(s, t);
+    eval_tau(s, x);
 }
 
 static cns_code expand(cns_stepper *s, cns_jet *jet, int order, double H, mpfr_t *x, cns_error *err)
@@ -440,19 +452,16 @@ static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_e
     s->next_log2 = H_log2 + (in_steps && allowed > MAX_GAIN_LOG2 ? MAX_GAIN_LOG2 : allowed);
     if (step->limit)
         mpfr_set(step->h, *step->limit, MPFR_RNDN);
+    else if (in_steps) /* few bits times few bits: exact */
+        mpfr_set_d(step->h, short_exp2(fmin(allowed, cns_jet_ops(s->jet)->reach_log2)) * s->H, MPFR_RNDN);
     else
-        mpfr_set_d(step->h, in_steps && allowed >= 0 ? s->H : short_exp2(allowed + H_log2), MPFR_RNDN);
+        mpfr_set_d(step->h, short_exp2(allowed + H_log2), MPFR_RNDN);
     code = find_kink(s, step->h, &step->landed, err);
     if (code)
         return code;
     double truncation = truncation_log2(s, cns_log2_mpfr(step->h) - H_log2);
     s->noise_log2 = step->noise_log2 = fmax(truncation, fmax(s->noise_log2, -(double)s->prec));
-    if (in_steps && !step->landed && mpfr_cmp_d(step->h, s->H) == 0)
-        for (int i = 0; i < s->n; i++)
-            cns_jet_ops(s->jet)->sum(cns_jet_arith(s->jet), y[i], cns_jet_state_series(s->jet, i), s->order,
-                                     1);
-    else
-        eval(s, step->h, y);
+    eval(s, step->h, y);
     if (step->landed)
         set_zeros(s, y);
     return CNS_OK;

@@ -4,6 +4,7 @@
  *   k_square(lanes, load, rows, a, b, stride, lo, hi, mid, sign)  lanes += sign * (2 sum + a[mid] b[mid])
  *   k_reduce(t, lanes, columns)                                   t[p] = sum of column p
  *   k_mul(out, x, rows, c)                                        out = floor(x c), pairs i + j <= rows + 1
+ *   k_mul_short(out, x, rows, c)                                  the same where c->used <= 1
  *   k_carry(t, rows)                                              t normalised
  * These sum the same limb pairs exactly, so every kernel gives the same bits. Nothing here allocates,
  * divides or converts. */
@@ -431,6 +432,7 @@ static void f_store_next(fx *F, int w, int k, int c)
             next->sign = step->sign;
             next->exp = step->exp + inverse->exp;
             next->index = k;
+            next->used = rows + 1;
             next->series = rows;
         }
         nonzero = times(F, next);
@@ -438,6 +440,45 @@ static void f_store_next(fx *F, int w, int k, int c)
     put(F, w, k + 1, nonzero);
 }
 
-const fx_kernel FX_KERNEL = {FX_KERNEL_NAME, f_zero,       f_coef,      f_scaled,
-                             f_conv,         f_square,     f_store,     f_store_scaled,
-                             f_store_ratio,  f_store_over, f_store_next};
+/* Horner's rule. A product keeps the pairs i + j <= rows(k) + 1, so that a step is wrong by less than half
+ * of the last limb of x_k. */
+static void f_sum(fx *F, int a, int n, const fx_const *c)
+{
+    const fx_series *s = &F->series[a];
+    int64_t *t = F->tmp, *next = F->tmp2;
+    int rows = 0; /* of t */
+    f_zero(F);
+    for (int k = n; k >= 0; k--) {
+        const int64_t *x = record_at(F, s, k) + F->value;
+        const int now = F->rows[k];
+        if (k == n || c->sign == 0) {
+            for (int v = 0; v < vectors(now); v++)
+                V(t + 8 * v) = CV(x + 8 * v);
+            rows = now;
+            continue;
+        }
+        for (; rows < now; rows++)
+            t[rows + 1] = 0;
+        if (c->used <= 1)
+            k_mul_short(next, t, now, c);
+        else
+            k_mul(next, t, now, c);
+        for (int v = 0; v < vectors(now); v++)
+            V(next + 8 * v) += CV(x + 8 * v) & CV(below_row(now, v));
+        rows = now + 1;
+        k_carry(next, rows);
+        int64_t *swap = t;
+        t = next;
+        next = swap;
+    }
+    for (int v = 0; v < vectors(rows); v++)
+        V(F->acc.t + 8 * v) = CV(t + 8 * v);
+    F->acc.rows = rows;
+    F->acc.load = 1;
+    F->acc.normal = true;
+    F->acc.exp = s->exp + 1;
+}
+
+const fx_kernel FX_KERNEL = {FX_KERNEL_NAME, f_zero,       f_coef,       f_scaled,
+                             f_conv,         f_square,     f_store,      f_store_scaled,
+                             f_store_ratio,  f_store_over, f_store_next, f_sum};

@@ -400,6 +400,26 @@ static inline void k_mul(int64_t *out, const int64_t *x, int rows, const fx_cons
     k_carry(out, rows + 1);
 }
 
+/* c = f 2^exp, f = limb[1] / 2^52: the pairs of k_mul without those that are zero. Not carried, the limbs
+ * being below 2^54 and t[0] below 2^62; |x[0]| <= 400 and c > 0. */
+static inline void k_mul_short(int64_t *out, const int64_t *x, int rows, const fx_const *c)
+{
+    const __m512i f = _mm512_set1_epi64(c->limb[1]);
+    __m512i left = _mm512_setzero_si512(); /* of t[p - 1] */
+    const int64_t whole = x[0] * c->limb[1];
+    for (int p = 0; p <= rows + 1; p += 8) {
+        const int n = rows + 1 - p; /* limbs x[p].. that count */
+        __m512i now = _mm512_maskz_loadu_epi64((__mmask8)(n >= 8 ? 0xff : (1 << n) - 1), x + p);
+        if (p == 0)
+            now = _mm512_maskz_mov_epi64(0xfe, now);
+        const __m512i shifted = _mm512_alignr_epi64(now, left, 7);
+        const __m512i high = _mm512_madd52hi_epu64(_mm512_setzero_si512(), now, f);
+        _mm512_storeu_si512(out + p, _mm512_madd52lo_epu64(high, shifted, f));
+        left = now;
+    }
+    out[1] += whole;
+}
+
 #define FX_KERNEL_NAME "avx512ifma"
 #define FX_KERNEL      fx_kernel_avx512ifma
 #include "fixed_core.h"

@@ -91,14 +91,20 @@ static inline void k_mul(int64_t *out, const int64_t *x, int rows, const fx_cons
 {
     __int128 s = 0;
     for (int p = rows + 1; p >= 1; p--) {
+        const int least = p > c->used ? p - c->used : 0;
         __int128 d = 0;
-        for (int i = p <= rows ? p - 1 : rows; i >= 0; i--)
+        for (int i = p <= rows ? p - 1 : rows; i >= least; i--)
             d += (__int128)x[i] * c->limb[p - i];
         s += c->sign < 0 ? -d : d;
         out[p] = (int64_t)s & FX_MASK;
         s >>= FX_BITS;
     }
     out[0] = (int64_t)s;
+}
+
+static inline void k_mul_short(int64_t *out, const int64_t *x, int rows, const fx_const *c)
+{
+    k_mul(out, x, rows, c);
 }
 
 #define FX_KERNEL_NAME "portable"

@@ -111,7 +111,7 @@ void cns_fast_status_get(const cns_arith *A, cns_fast_status *status)
     status->singular = A->F->singular;
 }
 
-void cns_fast_sum(cns_arith *A, mpfr_t y, int a, int n, double tau)
+void cns_fast_sum(cns_arith *A, mpfr_t y, int a, int n, const mpfr_t tau)
 {
     fx_sum(A->F, y, a, n, tau);
 }
@@ -243,7 +243,7 @@ static double noise_log2(const cns_arith *A)
     int weight, order_bits;
     if (F->singular)
         return HUGE_VAL;
-    frexp(F->H, &weight);
+    frexp(F->H * exp2(FX_REACH / 8.0), &weight);
     frexp((double)F->order, &order_bits);
     for (int i = 0; i < F->n_series; i++) {
         if (F->series[i].constant || A->level[i] == LONG_MIN)
@@ -257,6 +257,7 @@ static double noise_log2(const cns_arith *A)
 const cns_arith_ops cns_arith_fast = {
     .name = "fast",
     .in_steps = true,
+    .reach_log2 = FX_REACH / 8.0,
     .noise_log2 = noise_log2,
     .set_precision = cns_fast_set_precision,
     .sum = cns_fast_sum,
