@@ -44,6 +44,9 @@ typedef struct cns_arith_ops {
     double (*noise_log2)(const cns_arith *A);
     /* The working precision from the next begin on, at most that of the spec. NULL: it is fixed. */
     void (*set_precision)(cns_arith *A, mpfr_prec_t prec);
+    /* Bits by which coefficients are expected to fall per order, from the next begin on; 3 if not told. NULL:
+     * it does not matter. */
+    void (*set_decay)(cns_arith *A, int decay);
     /* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 2^reach_log2, cheapest where tau has some 32 bits only. NULL:
      * the caller sums coefficients itself. */
     void (*sum)(cns_arith *A, mpfr_t y, int a, int n, const mpfr_t tau);

@@ -39,6 +39,7 @@ enum {
     FAST_TRIES = 5,
     MAX_GAIN_LOG2 = 4, /* a step may grow by so much: coefficients below the noise tell no more */
     LEAST_DIGITS = 8,
+    MOST_DECAY = 3,
     MANTISSA = 24 /* bits of H and of adaptive steps: few, so that time stays exact */
 };
 
@@ -98,6 +99,18 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
     return s;
 }
 
+/* Bits by which the coefficients of the fast expansion fall per order: from the tolerance over the order, as
+ * whole bits. */
+static void set_decay(cns_stepper *s)
+{
+    const cns_arith_ops *ops = cns_flow_arith(&s->spec);
+    if (s->fast && ops->set_decay)
+        ops->set_decay(cns_jet_arith(s->fast), -s->tolerance_log2 >= MOST_DECAY * (s->order_asked - 2.5)
+                                                   ? MOST_DECAY
+                                               : -s->tolerance_log2 >= 2.1 * (s->order_asked - 2.5) ? 2
+                                                                                                    : 1);
+}
+
 static void start(cns_stepper *s)
 {
     for (int w = 0; w < cns_jet_watched(s->jet); w++)
@@ -106,6 +119,7 @@ static void start(cns_stepper *s)
     s->prec = s->spec.prec;
     s->tolerance_log2 = s->spec.tolerance_log2;
     s->order_asked = s->spec.order;
+    set_decay(s);
 }
 
 static mpfr_t *coefficients(cns_stepper *s, int i)
@@ -432,6 +446,7 @@ static void choose_accuracy(cns_stepper *s, double t)
     const cns_arith_ops *ops = cns_flow_arith(&s->spec);
     if (s->fast && ops->set_precision)
         ops->set_precision(cns_jet_arith(s->fast), prec + FAST_GUARD_BITS);
+    set_decay(s);
 }
 
 static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_error *err)

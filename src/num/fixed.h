@@ -28,7 +28,7 @@
 #include <stdint.h>
 
 #define FX_BITS      52
-#define FX_REACH     1 /* sums serve tau up to 2^(FX_REACH/8) */
+#define FX_REACH     2 /* sums serve tau up to 2^(FX_REACH/8) */
 #define FX_MASK      ((INT64_C(1) << FX_BITS) - 1)
 #define FX_HALF      (INT64_C(1) << (FX_BITS - 1)) /* 1/2 in t[1] */
 #define FX_MAX_LOAD  256                           /* of few-limb sums: |t[i]| < 2^60 */

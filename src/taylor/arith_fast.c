@@ -260,6 +260,7 @@ const cns_arith_ops cns_arith_fast = {
     .reach_log2 = FX_REACH / 8.0,
     .noise_log2 = noise_log2,
     .set_precision = cns_fast_set_precision,
+    .set_decay = cns_fast_set_decay,
     .sum = cns_fast_sum,
     .create = create,
     .destroy = destroy,
