@@ -443,19 +443,23 @@ static void write_limbs(fx *F, fx_series *s, int k)
     const int64_t *x = value_of(F, s, k);
     for (int i = 0; i < F->rows[k]; i++) {
         const uint64_t u = (uint64_t)((x[i + 1] + (i == 0 ? FX_HALF : 0)) & FX_MASK);
-        s->fwd[(size_t)i * F->stride + (size_t)k] = u;
-        s->rev[(size_t)i * F->stride + (size_t)(F->order - k)] = u;
+        if (s->parts & FX_FWD)
+            s->fwd[(size_t)i * F->stride + (size_t)k] = u;
+        if (s->parts & FX_REV)
+            s->rev[(size_t)i * F->stride + (size_t)(F->order - k)] = u;
     }
 }
 
 void fx_sums(fx *F, int w, int k)
 {
     fx_series *s = &F->series[w];
-    for (int j = k; j < s->stored; j++) {
+    for (int j = k; j < s->stored && s->parts & FX_SUMS; j++) {
         int64_t *d = record_of(F, s, j);
         int64_t c = 0;
         for (int i = F->rows[j]; i >= 1; i--) {
-            int64_t u = (int64_t)s->fwd[(size_t)(i - 1) * F->stride + (size_t)j] + c;
+            int64_t u = d[F->value + i] + c;
+            if (i == 1)
+                u = ((d[F->value + 1] + FX_HALF) & FX_MASK) + c;
             if (j > 0)
                 u += d[i - F->record];
             d[i] = u & FX_MASK;
@@ -463,6 +467,15 @@ void fx_sums(fx *F, int w, int k)
         }
         d[0] = c + (j > 0 ? d[-F->record] : 0);
     }
+}
+
+void fx_want(fx *F, int a, int parts)
+{
+    fx_series *s = &F->series[a];
+    s->parts |= parts;
+    for (int k = 0; k < s->stored; k++)
+        write_limbs(F, s, k);
+    fx_sums(F, a, 0);
 }
 
 void fx_fill(fx *F, int a, int k)

@@ -35,15 +35,20 @@
 #define FX_LANE_LOAD 1000                          /* of one lane of a column: |lane| < 2^62 */
 #define FX_SUM_LOAD  400                           /* of a column over its 8 lanes: twice it < 2^62 */
 
+/* What is kept of a series beside its values. Each part is made when a convolution first asks for it, and
+ * kept up from then on: a series that is never an operand has none. */
+enum { FX_FWD = 1, FX_REV = 2, FX_SUMS = 4 };
+
 typedef struct fx_series {
     bool live;       /* exponent chosen */
     bool constant;   /* kept across expansions */
+    int parts;       /* FX_FWD, FX_REV, FX_SUMS */
     int stored;      /* orders 0..stored-1 hold values */
     long exp;        /* e */
     int64_t peak;    /* max over stored k of the first limb of |x_k| */
-    uint64_t *fwd;   /* limb l of order k at fwd[l * stride + k] */
-    uint64_t *rev;   /* the same at rev[l * stride + order - k] */
-    int64_t *record; /* order k: D_k, eight zeros, x_k at `value`; integer parts first */
+    uint64_t *fwd;   /* limb l of order k at fwd[l * stride + k], if kept */
+    uint64_t *rev;   /* the same at rev[l * stride + order - k], if kept */
+    int64_t *record; /* order k: D_k if kept, eight zeros, x_k at `value`; integer parts first */
 } fx_series;
 
 /* sign * 2^exp * sum_{i >= 1} limb[i] 2^(-52 i); limbs from -pad to beyond the last row are zero. */
@@ -139,7 +144,8 @@ void fx_set_exponent(fx *F, int a, long e);
 void fx_fill(fx *F, int a, int k);      /* zeros in orders stored..k */
 void fx_choose(fx *F, int w, int k);    /* exponent of w, from the accumulator about to be stored at k */
 void fx_raise(fx *F, int w, int k);     /* higher exponent, so that the accumulator fits at k */
-void fx_sums(fx *F, int w, int k);      /* D_j anew for all stored j >= k */
+void fx_sums(fx *F, int w, int k);      /* D_j anew for all stored j >= k, if kept */
+void fx_want(fx *F, int a, int parts);  /* more parts */
 void fx_prepare_constant(fx *F, int c); /* constant[c] */
 void fx_prepare_step(fx *F, int c);     /* step_const[c] */
 const fx_const *fx_reciprocal(fx *F, int d, int v);

@@ -3,7 +3,7 @@
  *   k_conv(lanes, load, rows, a, b, stride, lo, hi, sign)         lanes += sign * sum_{j=lo..hi} a[j] b[j]
  *   k_square(lanes, load, rows, a, b, stride, lo, hi, mid, sign)  lanes += sign * (2 sum + a[mid] b[mid])
  *   k_reduce(t, lanes, columns)                                   t[p] = sum of column p
- *   k_mul(out, x, rows, c)                                        out = floor(x c), pairs i + j <= rows + 1
+ *   k_mul(out, x, rows, c)       out = floor(x c), pairs i + j <= rows + 1; out[1..rows + 1] are limbs
  *   k_mul_short(out, x, rows, c)                                  the same where c->used <= 1
  *   k_carry(t, rows)                                              t normalised
  * These sum the same limb pairs exactly, so every kernel gives the same bits. Nothing here allocates,
@@ -172,7 +172,7 @@ static inline void open_lanes(fx *F, int rows, long exp)
     F->terms = 0;
 }
 
-/* Record of order k: D_k, eight zeros, x_k. */
+/* Record of order k: D_k, if kept, eight zeros, x_k. */
 static inline int64_t *record_at(const fx *F, const fx_series *s, int k)
 {
     return s->record + (size_t)k * (size_t)F->record;
@@ -246,11 +246,41 @@ static void f_scaled(fx *F, int sign, int c, int a, int k)
     add(F, F->tmp, rows, s->exp + 1 - (long)F->decay * k + m->exp, sign);
 }
 
+static inline bool has(const fx_series *s, int parts)
+{
+    return (s->parts & parts) == parts;
+}
+
+/* Which operand is read forwards does not matter; the fewer copies of series, the better. True: swap them. */
+static bool orient(fx *F, int a, int b)
+{
+    const fx_series *s = &F->series[a], *t = &F->series[b];
+    const int missing = !(s->parts & FX_FWD) + !(t->parts & FX_REV),
+              missing_swapped = !(t->parts & FX_FWD) + !(s->parts & FX_REV);
+    const bool swap = missing_swapped < missing;
+    const int forwards = swap ? b : a, backwards = swap ? a : b;
+    if (!has(&F->series[forwards], FX_FWD | FX_SUMS))
+        fx_want(F, forwards, FX_FWD | FX_SUMS);
+    if (!has(&F->series[backwards], FX_REV | FX_SUMS))
+        fx_want(F, backwards, FX_REV | FX_SUMS);
+    return swap;
+}
+
 static void f_conv(fx *F, int sign, int a, int b, int n, int lo, int hi)
 {
     fx_series *s = &F->series[a], *t = &F->series[b];
     if (lo > hi || !s->live || !t->live)
         return;
+    if ((!has(s, FX_FWD | FX_SUMS) || !has(t, FX_REV | FX_SUMS)) && orient(F, a, b)) {
+        const int swap = a, swap_lo = lo;
+        fx_series *const swap_series = s;
+        a = b;
+        b = swap;
+        s = t;
+        t = swap_series;
+        lo = n - hi;
+        hi = n - swap_lo;
+    }
     if (s->stored <= hi)
         fx_fill(F, a, hi);
     if (t->stored <= n - lo)
@@ -268,6 +298,8 @@ static void f_square(fx *F, int sign, int a, int n, int lo)
     fx_series *s = &F->series[a];
     if (lo > n - lo || !s->live)
         return;
+    if (!has(s, FX_FWD | FX_REV | FX_SUMS))
+        fx_want(F, a, FX_FWD | FX_REV | FX_SUMS);
     if (s->stored <= n - lo)
         fx_fill(F, a, n - lo);
     const int rows = F->rows[n];
@@ -338,24 +370,31 @@ static void put(fx *F, int w, int k, bool nonzero)
     s->peak = top > s->peak ? top : s->peak;
 
     /* u = x + 1/2; its integer part was found to vanish */
-    const fx_u half = {0, (uint64_t)FX_HALF};
-    const fx_u no_whole = ALL_LIMBS(0);
-    const fx_u u0 = (CV(x) + half) & no_whole;
-    V(F->tmp2) = u0;
-    uint64_t *fwd = s->fwd + k, *rev = s->rev + (F->order - k);
+    const uint64_t first_limb = (uint64_t)((x[1] + FX_HALF) & FX_MASK);
     const size_t stride = F->stride;
-    const uint64_t *u = (const uint64_t *)(rows < 8 ? F->tmp2 : x) + 1;
-    fwd[0] = rev[0] = (uint64_t)F->tmp2[1];
-    for (int i = 1; i < rows; i++) {
-        fwd += stride;
-        rev += stride;
-        *fwd = *rev = u[i];
+    const uint64_t *u = (const uint64_t *)x + 1;
+    if (s->parts & FX_FWD) {
+        uint64_t *fwd = s->fwd + k;
+        *fwd = first_limb;
+        for (int i = 1; i < rows; i++)
+            *(fwd += stride) = u[i];
+    }
+    if (s->parts & FX_REV) {
+        uint64_t *rev = s->rev + (F->order - k);
+        *rev = first_limb;
+        for (int i = 1; i < rows; i++)
+            *(rev += stride) = u[i];
     }
     if (k < s->stored) {
         fx_sums(F, w, k);
         return;
     }
     s->stored = k + 1;
+    if (!(s->parts & FX_SUMS))
+        return;
+    const fx_u half = {0, (uint64_t)FX_HALF};
+    const fx_u no_whole = ALL_LIMBS(0);
+    const fx_u u0 = (CV(x) + half) & no_whole;
     if (k == 0) {
         V(record) = u0;
         for (int v = 1; v < vectors(rows); v++)
@@ -375,7 +414,7 @@ static void f_store(fx *F, int w, int k)
     put(F, w, k, finish(F));
 }
 
-/* acc *= c */
+/* acc *= c, with the limb that the product adds. */
 static inline bool times(fx *F, const fx_const *c)
 {
     if (c->sign == 0)
@@ -384,6 +423,7 @@ static inline bool times(fx *F, const fx_const *c)
     int64_t *t = F->tmp;
     F->tmp = F->acc.t;
     F->acc.t = t;
+    F->acc.rows++;
     F->acc.exp += c->exp;
     return true;
 }
