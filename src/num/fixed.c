@@ -149,7 +149,7 @@ fx *fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel
     F->series = cells(n, sizeof *F->series, &ok);
     F->lanes = words(8 * ((size_t)F->max_limbs + 10), &ok);
     F->corr = words(padded_words(F), &ok);
-    int64_t **numbers[] = {&F->acc.t, &F->tmp, &F->tmp2, &F->tmp3};
+    int64_t **numbers[] = {&F->acc.t, &F->tmp, &F->tmp2, &F->tmp3, &F->zeros};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         int64_t *p = words(padded_words(F), &ok);
         *numbers[i] = p == NULL ? NULL : p + F->pad;
@@ -220,7 +220,7 @@ void fx_destroy(fx *F)
     for (int k = 0; k <= F->order && F->inverse_order != NULL; k++)
         const_clear(F, &F->inverse_order[k]);
     const_clear(F, &F->tau);
-    int64_t *numbers[] = {F->acc.t, F->tmp, F->tmp2, F->tmp3};
+    int64_t *numbers[] = {F->acc.t, F->tmp, F->tmp2, F->tmp3, F->zeros};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         if (numbers[i] != NULL)
             free(numbers[i] - F->pad);

@@ -107,6 +107,7 @@ struct fx {
     int lanes_rows, lanes_load, corr_load;
     long lanes_exp, terms;
     int64_t *corr;
+    int64_t *zeros; /* a number */
     fx_number acc;
     int64_t *tmp, *tmp2, *tmp3;
 

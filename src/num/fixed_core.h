@@ -1,11 +1,14 @@
 /* The order loop of block fixed point, compiled once per kernel: everything the engine calls for every
  * coefficient. The including file defines FX_KERNEL_NAME and FX_KERNEL and the kernel itself:
  *   k_conv(lanes, load, rows, a, b, stride, lo, hi, sign)         lanes += sign * sum_{j=lo..hi} a[j] b[j]
+ *                                                                 (= where *load is 0)
  *   k_square(lanes, load, rows, a, b, stride, lo, hi, mid, sign)  lanes += sign * (2 sum + a[mid] b[mid])
  *   k_reduce(t, lanes, columns)                                   t[p] = sum of column p
  *   k_mul(out, x, rows, c)       out = floor(x c), pairs i + j <= rows + 1; out[1..rows + 1] are limbs
  *   k_mul_short(out, x, rows, c)                                  the same where c->used <= 1
  *   k_carry(t, rows)                                              t normalised
+ *   k_reduce_one, k_carry_one                                     the same for a single vector, in a register
+ *   BEFORE(p), AFTER(p)                                           the vectors at p - 1 and p + 1
  * These sum the same limb pairs exactly, so every kernel gives the same bits. Nothing here allocates,
  * divides or converts. */
 #include "fixed.h"
@@ -23,6 +26,18 @@ static inline int vectors(int rows)
     return (rows + 8) >> 3; /* covering t[0..rows] */
 }
 
+/* What is to be done for every vector v of t[0..rows]; a single one is the common case. */
+#define EACH_VECTOR(rows, ...)                                                                               \
+    do {                                                                                                     \
+        if ((rows) < 8) {                                                                                    \
+            enum { v = 0 };                                                                                  \
+            __VA_ARGS__;                                                                                     \
+        } else {                                                                                             \
+            for (int v = 0; v < vectors(rows); v++)                                                          \
+                __VA_ARGS__;                                                                                 \
+        }                                                                                                    \
+    } while (0)
+
 static inline void normalise(fx_number *x)
 {
     if (!x->normal) {
@@ -39,8 +54,7 @@ static inline void shift_down(int64_t *out, const int64_t *t, int rows, long shi
     if (shift > (long)FX_BITS * rows) {
         const long left = shift - (long)FX_BITS * rows;
         const int64_t whole = t[0]; /* out may be t */
-        for (int v = 0; v < vectors(rows); v++)
-            V(out + 8 * v) = (fx_u){0};
+        EACH_VECTOR(rows, V(out + 8 * v) = (fx_u){0});
         out[rows] = whole >> (left > 63 ? 63 : left);
         return;
     }
@@ -63,8 +77,7 @@ static void add(fx *F, const int64_t *x, int rows, long exp, int weight)
     const int size = weight < 0 ? -weight : weight;
     const uint64_t flip = weight < 0 ? ~UINT64_C(0) : 0;
     if (acc->load == 0) {
-        for (int v = 0; v < vectors(rows); v++)
-            V(acc->t + 8 * v) = TIMES(x + 8 * v, 0);
+        EACH_VECTOR(rows, V(acc->t + 8 * v) = TIMES(x + 8 * v, 0));
         acc->rows = rows;
         acc->load = size;
         acc->exp = exp;
@@ -85,34 +98,29 @@ static void add(fx *F, const int64_t *x, int rows, long exp, int weight)
     if (shift >= 0 && shift <= 7 && (size << shift) <= 128) {
         if (acc->load + (size << shift) > FX_MAX_LOAD)
             normalise(acc);
-        for (int v = 0; v < vectors(rows); v++)
-            V(acc->t + 8 * v) += TIMES(x + 8 * v, shift);
+        EACH_VECTOR(rows, V(acc->t + 8 * v) += TIMES(x + 8 * v, shift));
         acc->load += size << shift;
     } else if (shift < 0 && shift >= -7) {
         if ((acc->load << -shift) + size > FX_MAX_LOAD)
             normalise(acc);
         const int s = (int)-shift;
-        for (int v = 0; v < vectors(rows); v++)
-            V(acc->t + 8 * v) = (CV(acc->t + 8 * v) << s) + TIMES(x + 8 * v, 0);
+        EACH_VECTOR(rows, V(acc->t + 8 * v) = (CV(acc->t + 8 * v) << s) + TIMES(x + 8 * v, 0));
         acc->load = (acc->load << s) + size;
         acc->exp = exp;
     } else if (shift < 0) {
         if (-shift >= 8 * FX_BITS && x != F->tmp && x != F->tmp3) { /* a record has room for eight limbs */
-            for (int v = 0; v < vectors(rows); v++)
-                V(F->tmp3 + 8 * v) = CV(x + 8 * v);
+            EACH_VECTOR(rows, V(F->tmp3 + 8 * v) = CV(x + 8 * v));
             x = F->tmp3;
         }
         shift_down(F->tmp2, x, rows, -shift);
         if (acc->load + size > FX_MAX_LOAD)
             normalise(acc);
-        for (int v = 0; v < vectors(rows); v++)
-            V(acc->t + 8 * v) += TIMES(F->tmp2 + 8 * v, 0);
+        EACH_VECTOR(rows, V(acc->t + 8 * v) += TIMES(F->tmp2 + 8 * v, 0));
         acc->load += size;
     } else {
         normalise(acc);
         shift_down(acc->t, acc->t, rows, shift);
-        for (int v = 0; v < vectors(rows); v++)
-            V(acc->t + 8 * v) += TIMES(x + 8 * v, 0);
+        EACH_VECTOR(rows, V(acc->t + 8 * v) += TIMES(x + 8 * v, 0));
         acc->load = 1 + size;
         acc->exp = exp;
     }
@@ -136,13 +144,21 @@ static void flush(fx *F)
     int64_t *t = F->acc.load == 0 ? F->acc.t : F->tmp;
     if (8 * F->lanes_load > FX_SUM_LOAD)
         k_carry_lanes(F->lanes, &F->lanes_load, rows);
-    k_reduce(t, F->lanes, rows + 2);
     const uint64_t terms = (uint64_t)F->terms;
     const fx_u count = {(uint64_t)(F->terms >> 1), (terms & 1) * (uint64_t)FX_HALF};
-    V(t) = CV(t) * 2 - (CV(F->corr) & CV(below_row(rows, 0))) + count;
-    for (int v = 1; v < vectors(rows + 1); v++)
-        V(t + 8 * v) = CV(t + 8 * v) * 2 - (CV(F->corr + 8 * v) & CV(below_row(rows, v)));
-    k_carry(t, rows + 1);
+    if (rows < 7) {
+        fx_u x;
+        k_reduce_one(&x, F->lanes, rows + 2);
+        x = x * 2 - (CV(F->corr) & CV(below_row(rows, 0))) + count;
+        k_carry_one(&x, rows + 1);
+        V(t) = x;
+    } else {
+        k_reduce(t, F->lanes, rows + 2);
+        V(t) = CV(t) * 2 - (CV(F->corr) & CV(below_row(rows, 0))) + count;
+        for (int v = 1; v < vectors(rows + 1); v++)
+            V(t + 8 * v) = CV(t + 8 * v) * 2 - (CV(F->corr + 8 * v) & CV(below_row(rows, v)));
+        k_carry(t, rows + 1);
+    }
     F->lanes_used = false;
     if (t == F->acc.t) {
         F->acc.rows = rows;
@@ -161,10 +177,6 @@ static inline void open_lanes(fx *F, int rows, long exp)
             return;
         flush(F);
     }
-    for (int p = 0; p < rows + 2; p++)
-        V(F->lanes + 8 * p) = (fx_u){0};
-    for (int v = 0; v < vectors(rows + 1); v++)
-        V(F->corr + 8 * v) = (fx_u){0};
     F->lanes_used = true;
     F->lanes_rows = rows;
     F->lanes_exp = exp;
@@ -184,20 +196,16 @@ static inline int64_t *record_at(const fx *F, const fx_series *s, int k)
 static inline void correct(fx *F, int rows, int weight, const fx_series *s, int lo, int hi)
 {
     const int64_t *d = record_at(F, s, hi);
+    const int64_t *below = lo == 0 ? F->zeros : record_at(F, s, lo - 1);
     const uint64_t flip = weight < 0 ? ~UINT64_C(0) : 0;
     const int twice = weight == 2 || weight == -2; /* +-1 or +-2 */
     if (F->corr_load > 800 - 4 * SUM_LOAD) {
         k_carry(F->corr, rows);
         F->corr_load = 1;
     }
-    if (lo == 0) {
-        for (int v = 0; v < vectors(rows); v++)
-            V(F->corr + 8 * v) += ((CV(d + 8 * v) << twice) ^ flip) - flip;
-    } else {
-        const int64_t *below = record_at(F, s, lo - 1);
-        for (int v = 0; v < vectors(rows); v++)
-            V(F->corr + 8 * v) += (((CV(d + 8 * v) - CV(below + 8 * v)) << twice) ^ flip) - flip;
-    }
+    const uint64_t old = F->corr_load == 0 ? 0 : ~UINT64_C(0);
+    EACH_VECTOR(rows, V(F->corr + 8 * v) = (CV(F->corr + 8 * v) & old) +
+                                           (((CV(d + 8 * v) - CV(below + 8 * v)) << twice) ^ flip) - flip);
     F->corr_load += 4 * SUM_LOAD;
 }
 
@@ -339,8 +347,7 @@ static void put(fx *F, int w, int k, bool nonzero)
     int64_t *record = record_at(F, s, k);
     int64_t *x = record + F->value;
     if (!nonzero || !s->live) {
-        for (int v = 0; v < vectors(rows); v++)
-            V(x + 8 * v) = (fx_u){0};
+        EACH_VECTOR(rows, V(x + 8 * v) = (fx_u){0});
     } else {
         const fx_number *acc = &F->acc;
         const int64_t *t = acc->t;
@@ -348,14 +355,12 @@ static void put(fx *F, int w, int k, bool nonzero)
         const long shift = acc->exp - (s->exp + 1 - (long)F->decay * k);
         if (acc->rows >= rows && shift <= 0 && shift > -FX_BITS) {
             const int r = (int)-shift;
-            for (int v = 0; v < vectors(rows); v++)
-                V(x + 8 * v) =
-                    (fx_u)(SV(t + 8 * v) >> r) + ((CV(t + 8 * v - 1) << (FX_BITS - r)) & (uint64_t)FX_MASK);
+            EACH_VECTOR(rows, V(x + 8 * v) = (fx_u)(SV(t + 8 * v) >> r) +
+                                             ((BEFORE(t + 8 * v) << (FX_BITS - r)) & (uint64_t)FX_MASK));
         } else if (acc->rows > rows && shift > 0 && shift < FX_BITS && t[0] >= -1024 && t[0] < 1024) {
             const int l = (int)shift;
-            for (int v = 0; v < vectors(rows); v++)
-                V(x + 8 * v) = ((CV(t + 8 * v) << l) & (v == 0 ? whole_first : limb_mask)) +
-                               (CV(t + 8 * v + 1) >> (FX_BITS - l));
+            EACH_VECTOR(rows, V(x + 8 * v) = ((CV(t + 8 * v) << l) & (v == 0 ? whole_first : limb_mask)) +
+                                             (AFTER(t + 8 * v) >> (FX_BITS - l)));
         } else {
             fx_shift(x, t, rows, acc->rows, shift);
         }
@@ -480,8 +485,7 @@ static void f_store_next(fx *F, int w, int k, int c)
     put(F, w, k + 1, nonzero);
 }
 
-/* Horner's rule. A product keeps the pairs i + j <= rows(k) + 1, so that a step is wrong by less than half
- * of the last limb of x_k. */
+/* Horner's rule, with one limb more than x_k: what a product drops is some units of that limb. */
 static void f_sum(fx *F, int a, int n, const fx_const *c)
 {
     const fx_series *s = &F->series[a];
@@ -492,27 +496,24 @@ static void f_sum(fx *F, int a, int n, const fx_const *c)
         const int64_t *x = record_at(F, s, k) + F->value;
         const int now = F->rows[k];
         if (k == n || c->sign == 0) {
-            for (int v = 0; v < vectors(now); v++)
-                V(t + 8 * v) = CV(x + 8 * v);
-            rows = now;
+            EACH_VECTOR(now, V(t + 8 * v) = CV(x + 8 * v));
+            rows = now + 1;
+            t[rows] = 0;
             continue;
         }
-        for (; rows < now; rows++)
-            t[rows + 1] = 0;
+        while (rows < now + 1)
+            t[++rows] = 0;
         if (c->used <= 1)
-            k_mul_short(next, t, now, c);
+            k_mul_short(next, t, rows, c);
         else
-            k_mul(next, t, now, c);
-        for (int v = 0; v < vectors(now); v++)
-            V(next + 8 * v) += CV(x + 8 * v) & CV(below_row(now, v));
-        rows = now + 1;
-        k_carry(next, rows);
+            k_mul(next, t, rows, c);
+        EACH_VECTOR(now, V(next + 8 * v) += CV(x + 8 * v) & CV(below_row(now, v)));
+        k_carry(next, rows + 1);
         int64_t *swap = t;
         t = next;
         next = swap;
     }
-    for (int v = 0; v < vectors(rows); v++)
-        V(F->acc.t + 8 * v) = CV(t + 8 * v);
+    EACH_VECTOR(rows, V(F->acc.t + 8 * v) = CV(t + 8 * v));
     F->acc.rows = rows;
     F->acc.load = 1;
     F->acc.normal = true;

@@ -89,6 +89,10 @@ static void block(wide *s, const uint64_t *a, const uint64_t *b, size_t stride, 
         s[p] = diagonal(a, b, stride, p, lo, hi);
 }
 
+typedef uint64_t vector __attribute__((vector_size(64), aligned(8), may_alias));
+#define BEFORE(p) (*(const vector *)((p)-1))
+#define AFTER(p)  (*(const vector *)((p) + 1))
+
 static inline void scatter(int64_t *lanes, int p, wide s, int sign)
 {
     const int64_t w = sign;
@@ -108,6 +112,9 @@ static void k_carry_lanes(int64_t *lanes, int *load, int rows)
 
 static void scatter_all(int64_t *lanes, int *load, int rows, const wide *s, int sign)
 {
+    if (*load == 0)
+        for (int p = 0; p < rows + 2; p++)
+            lanes[8 * p] = 0;
     for (int p = 0; p < rows; p++)
         scatter(lanes, p, s[p], sign);
     *load += 3;
@@ -158,6 +165,16 @@ static inline void k_reduce(int64_t *t, const int64_t *lanes, int columns)
 {
     for (int p = 0; p < columns; p++)
         t[p] = lanes[8 * p];
+}
+
+static inline void k_reduce_one(vector *x, const int64_t *lanes, int columns)
+{
+    k_reduce((int64_t *)x, lanes, columns);
+}
+
+static inline void k_carry_one(vector *x, int rows)
+{
+    k_carry((int64_t *)x, rows);
 }
 
 static inline void k_mul(int64_t *out, const int64_t *x, int rows, const fx_const *c)
