@@ -35,7 +35,7 @@ mpfr_prec_t cns_digits_to_bits(long digits)
  * grows almost linearly, and longer steps of a higher order pay. A little more than whole bits: the fast
  * arithmetic counts on whole bits of decay (src/integrate/taylor.c). Measured; never falling with the
  * precision. */
-static const double LINEAR_BITS = 240, LINEAR_RATE = 2.25, QUADRATIC_RATE = 3.05;
+static const double LINEAR_BITS = 420, LINEAR_RATE = 2.25, QUADRATIC_RATE = 3.05;
 
 int cns_order_for(double tolerance_log2, cns_arithmetic arithmetic)
 {
