@@ -36,15 +36,20 @@ typedef struct cns_arith_ops {
     const char *name;
 
     /* True: coefficients carry an absolute error, the expansion wants H near the step to come, so that they
-     * fall by some three bits per order, and it serves tau <= 1 only. noise_log2 then tells, after an
+     * fall by some bits per order, and it serves tau <= 2^reach_log2 only. noise_log2 then tells, after an
      * expansion, log2 of a bound on the error of a state's coefficients; it is HUGE_VAL where the expansion
      * failed. NULL otherwise: the error is that of the precision. */
     bool in_steps;
+    double reach_log2;
     double (*noise_log2)(const cns_arith *A);
     /* The working precision from the next begin on, at most that of the spec. NULL: it is fixed. */
     void (*set_precision)(cns_arith *A, mpfr_prec_t prec);
-    /* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 1. NULL: the caller sums coefficients itself. */
-    void (*sum)(cns_arith *A, mpfr_t y, int a, int n, double tau);
+    /* Bits by which coefficients are expected to fall per order, from the next begin on; 3 if not told. NULL:
+     * it does not matter. */
+    void (*set_decay)(cns_arith *A, int decay);
+    /* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 2^reach_log2, cheapest where tau has some 32 bits only. NULL:
+     * the caller sums coefficients itself. */
+    void (*sum)(cns_arith *A, mpfr_t y, int a, int n, const mpfr_t tau);
 
     cns_arith *(*create)(const cns_arith_spec *spec, cns_error *err); /* NULL: out of memory or range */
     void (*destroy)(cns_arith *A);

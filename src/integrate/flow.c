@@ -30,10 +30,19 @@ mpfr_prec_t cns_digits_to_bits(long digits)
     return (mpfr_prec_t)((double)digits * CNS_LOG2_10) + 1 + GUARD_BITS;
 }
 
+/* The cost of a step grows with the square of the order where convolutions are most of it; then the best
+ * order lets coefficients fall by 2/ln 2 = 2.9 bits per order. In the fast arithmetic with few digits it
+ * grows almost linearly, and longer steps of a higher order pay. A little more than whole bits: the fast
+ * arithmetic counts on whole bits of decay (src/integrate/taylor.c). Measured; never falling with the
+ * precision. */
+static const double LINEAR_BITS = 420, LINEAR_RATE = 2.25, QUADRATIC_RATE = 3.05;
+
 int cns_order_for(double tolerance_log2, cns_arithmetic arithmetic)
 {
-    const double bits_per_order = arithmetic == CNS_ARITH_FAST ? 3.05 : 2 / 0.69314718055994530942;
-    return (int)(1.5 - tolerance_log2 / bits_per_order) + 1;
+    double order = -tolerance_log2 * (0.69314718055994530942 / 2);
+    if (arithmetic == CNS_ARITH_FAST)
+        order = fmax(fmin(-tolerance_log2, LINEAR_BITS) / LINEAR_RATE, -tolerance_log2 / QUADRATIC_RATE);
+    return (int)(1.5 + order) + 1;
 }
 
 long cns_schedule_at(const cns_schedule *s, double t)

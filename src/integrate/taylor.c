@@ -39,6 +39,7 @@ enum {
     FAST_TRIES = 5,
     MAX_GAIN_LOG2 = 4, /* a step may grow by so much: coefficients below the noise tell no more */
     LEAST_DIGITS = 8,
+    MOST_DECAY = 3,
     MANTISSA = 24 /* bits of H and of adaptive steps: few, so that time stays exact */
 };
 
@@ -98,6 +99,18 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
     return s;
 }
 
+/* Bits by which the coefficients of the fast expansion fall per order: from the tolerance over the order, as
+ * whole bits. */
+static void set_decay(cns_stepper *s)
+{
+    const cns_arith_ops *ops = cns_flow_arith(&s->spec);
+    if (s->fast && ops->set_decay)
+        ops->set_decay(cns_jet_arith(s->fast), -s->tolerance_log2 >= MOST_DECAY * (s->order_asked - 2.5)
+                                                   ? MOST_DECAY
+                                               : -s->tolerance_log2 >= 2.1 * (s->order_asked - 2.5) ? 2
+                                                                                                    : 1);
+}
+
 static void start(cns_stepper *s)
 {
     for (int w = 0; w < cns_jet_watched(s->jet); w++)
@@ -106,6 +119,7 @@ static void start(cns_stepper *s)
     s->prec = s->spec.prec;
     s->tolerance_log2 = s->spec.tolerance_log2;
     s->order_asked = s->spec.order;
+    set_decay(s);
 }
 
 static mpfr_t *coefficients(cns_stepper *s, int i)
@@ -199,14 +213,26 @@ static void load(cns_stepper *s)
     s->loaded = true;
 }
 
-static void eval(cns_stepper *s, const mpfr_t t, mpfr_t *x)
+/* The states at s->tau. */
+static void eval_tau(cns_stepper *s, mpfr_t *x)
 {
+    if (s->jet == s->fast) {
+        for (int i = 0; i < s->n; i++)
+            cns_jet_ops(s->jet)->sum(cns_jet_arith(s->jet), x[i], cns_jet_state_series(s->jet, i), s->order,
+                                     s->tau);
+        return;
+    }
     load(s);
-    set_tau(s, t);
     for (int i = 0; i < s->n; i++) {
         horner(s->sum, coefficients(s, i), s->order, s->tau);
         mpfr_set(x[i], s->sum, MPFR_RNDN);
     }
+}
+
+static void eval(cns_stepper *s, const mpfr_t t, mpfr_t *x)
+{
+    set_tau(s, t);
+    eval_tau(s, x);
 }
 
 static cns_code expand(cns_stepper *s, cns_jet *jet, int order, double H, mpfr_t *x, cns_error *err)
@@ -420,6 +446,7 @@ static void choose_accuracy(cns_stepper *s, double t)
     const cns_arith_ops *ops = cns_flow_arith(&s->spec);
     if (s->fast && ops->set_precision)
         ops->set_precision(cns_jet_arith(s->fast), prec + FAST_GUARD_BITS);
+    set_decay(s);
 }
 
 static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_error *err)
@@ -440,19 +467,16 @@ static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_e
     s->next_log2 = H_log2 + (in_steps && allowed > MAX_GAIN_LOG2 ? MAX_GAIN_LOG2 : allowed);
     if (step->limit)
         mpfr_set(step->h, *step->limit, MPFR_RNDN);
+    else if (in_steps) /* few bits times few bits: exact */
+        mpfr_set_d(step->h, short_exp2(fmin(allowed, cns_jet_ops(s->jet)->reach_log2)) * s->H, MPFR_RNDN);
     else
-        mpfr_set_d(step->h, in_steps && allowed >= 0 ? s->H : short_exp2(allowed + H_log2), MPFR_RNDN);
+        mpfr_set_d(step->h, short_exp2(allowed + H_log2), MPFR_RNDN);
     code = find_kink(s, step->h, &step->landed, err);
     if (code)
         return code;
     double truncation = truncation_log2(s, cns_log2_mpfr(step->h) - H_log2);
     s->noise_log2 = step->noise_log2 = fmax(truncation, fmax(s->noise_log2, -(double)s->prec));
-    if (in_steps && !step->landed && mpfr_cmp_d(step->h, s->H) == 0)
-        for (int i = 0; i < s->n; i++)
-            cns_jet_ops(s->jet)->sum(cns_jet_arith(s->jet), y[i], cns_jet_state_series(s->jet, i), s->order,
-                                     1);
-    else
-        eval(s, step->h, y);
+    eval(s, step->h, y);
     if (step->landed)
         set_zeros(s, y);
     return CNS_OK;

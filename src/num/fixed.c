@@ -80,31 +80,43 @@ static void const_clear(const fx *F, fx_const *c)
         free(c->limb - F->pad);
 }
 
-static void const_set(fx *F, fx_const *c, const mpfr_t x)
+/* c = x = f 2^exp with f < 1 in the limbs. */
+static void const_set_scaled(fx *F, fx_const *c, const mpfr_t x, long exp)
 {
     c->sign = mpfr_sgn(x);
     c->valid = true;
+    c->exp = exp;
+    c->used = 0;
     memset(c->limb, 0, (size_t)(const_limbs(F) + 1) * 8);
     if (c->sign == 0)
         return;
     const long bits = (long)FX_BITS * const_limbs(F);
     long e = (long)mpfr_get_z_2exp(F->z, x);
-    c->exp = (long)mpfr_get_exp(x);
     mpz_abs(F->z, F->z);
-    e += bits - c->exp;
+    e += bits - exp;
     if (e >= 0)
         mpz_mul_2exp(F->z, F->z, (mp_bitcnt_t)e);
     else
         mpz_fdiv_q_2exp(F->z, F->z, (mp_bitcnt_t)-e);
-    size_t count;
-    mpz_export(c->limb + 1, &count, 1, 8, 0, 64 - FX_BITS, F->z);
+    if (mpz_sgn(F->z) == 0)
+        return;
+    const int count = (int)((mpz_sizeinbase(F->z, 2) + FX_BITS - 1) / FX_BITS);
+    mpz_export(c->limb + 1 + const_limbs(F) - count, NULL, 1, 8, 0, 64 - FX_BITS, F->z);
+    c->used = const_limbs(F);
+    while (c->limb[c->used] == 0)
+        c->used--;
+}
+
+static void const_set(fx *F, fx_const *c, const mpfr_t x)
+{
+    const_set_scaled(F, c, x, mpfr_zero_p(x) ? 0 : (long)mpfr_get_exp(x));
 }
 
 static void set_window(fx *F)
 {
     const long bits = F->window = window_bits(F->order, F->prec);
     for (int k = 0; k <= F->order + 1; k++)
-        F->rows[k] = limbs_for(bits - (long)F->decay * k);
+        F->rows[k] = limbs_for(bits - (long)F->decay * k + ((long)FX_REACH * k + 7) / 8);
     F->limbs = F->rows[0];
 }
 
@@ -137,7 +149,7 @@ fx *fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel
     F->series = cells(n, sizeof *F->series, &ok);
     F->lanes = words(8 * ((size_t)F->max_limbs + 10), &ok);
     F->corr = words(padded_words(F), &ok);
-    int64_t **numbers[] = {&F->acc.t, &F->tmp, &F->tmp2, &F->tmp3};
+    int64_t **numbers[] = {&F->acc.t, &F->tmp, &F->tmp2, &F->tmp3, &F->zeros};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         int64_t *p = words(padded_words(F), &ok);
         *numbers[i] = p == NULL ? NULL : p + F->pad;
@@ -167,6 +179,7 @@ fx *fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel
     }
     for (size_t k = 0; k < orders && ok; k++)
         const_init(F, &F->inverse_order[k], &ok);
+    const_init(F, &F->tau, &ok);
     if (!ok) {
         fx_destroy(F);
         return NULL;
@@ -206,7 +219,8 @@ void fx_destroy(fx *F)
     }
     for (int k = 0; k <= F->order && F->inverse_order != NULL; k++)
         const_clear(F, &F->inverse_order[k]);
-    int64_t *numbers[] = {F->acc.t, F->tmp, F->tmp2, F->tmp3};
+    const_clear(F, &F->tau);
+    int64_t *numbers[] = {F->acc.t, F->tmp, F->tmp2, F->tmp3, F->zeros};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         if (numbers[i] != NULL)
             free(numbers[i] - F->pad);
@@ -429,19 +443,23 @@ static void write_limbs(fx *F, fx_series *s, int k)
     const int64_t *x = value_of(F, s, k);
     for (int i = 0; i < F->rows[k]; i++) {
         const uint64_t u = (uint64_t)((x[i + 1] + (i == 0 ? FX_HALF : 0)) & FX_MASK);
-        s->fwd[(size_t)i * F->stride + (size_t)k] = u;
-        s->rev[(size_t)i * F->stride + (size_t)(F->order - k)] = u;
+        if (s->parts & FX_FWD)
+            s->fwd[(size_t)i * F->stride + (size_t)k] = u;
+        if (s->parts & FX_REV)
+            s->rev[(size_t)i * F->stride + (size_t)(F->order - k)] = u;
     }
 }
 
 void fx_sums(fx *F, int w, int k)
 {
     fx_series *s = &F->series[w];
-    for (int j = k; j < s->stored; j++) {
+    for (int j = k; j < s->stored && s->parts & FX_SUMS; j++) {
         int64_t *d = record_of(F, s, j);
         int64_t c = 0;
         for (int i = F->rows[j]; i >= 1; i--) {
-            int64_t u = (int64_t)s->fwd[(size_t)(i - 1) * F->stride + (size_t)j] + c;
+            int64_t u = d[F->value + i] + c;
+            if (i == 1)
+                u = ((d[F->value + 1] + FX_HALF) & FX_MASK) + c;
             if (j > 0)
                 u += d[i - F->record];
             d[i] = u & FX_MASK;
@@ -449,6 +467,15 @@ void fx_sums(fx *F, int w, int k)
         }
         d[0] = c + (j > 0 ? d[-F->record] : 0);
     }
+}
+
+void fx_want(fx *F, int a, int parts)
+{
+    fx_series *s = &F->series[a];
+    s->parts |= parts;
+    for (int k = 0; k < s->stored; k++)
+        write_limbs(F, s, k);
+    fx_sums(F, a, 0);
 }
 
 void fx_fill(fx *F, int a, int k)
@@ -640,7 +667,7 @@ void fx_ratio(fx *F, long p, long q)
     }
 }
 
-void fx_sum(fx *F, mpfr_t y, int a, int n, double tau)
+void fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau)
 {
     const fx_series *s = &F->series[a];
     if (n >= s->stored)
@@ -649,58 +676,10 @@ void fx_sum(fx *F, mpfr_t y, int a, int n, double tau)
         mpfr_set_zero(y, 1);
         return;
     }
-    int64_t *t = F->tmp3, *next = F->tmp2;
-    int f;
-    const int64_t m = (int64_t)ldexp(frexp(tau, &f), 53); /* tau 2^-decay = m 2^(f - 53 - decay) */
-    const int down = 53 - f + F->decay;
-    int rows = F->rows[n] + 1;
-    memset(t, 0, (size_t)(F->width + 16) * 8);
-    memset(next, 0, (size_t)(F->width + 16) * 8);
-    for (int k = n; k >= 0; k--) {
-        const int64_t *x = value_of(F, s, k);
-        if (k < n) {
-            /* t = floor(t m 2^-down) + x, with one limb more than x */
-            const int wanted = F->rows[k] + 1;
-            if (down < 2 * FX_BITS) {
-                __int128 c = 0;
-                for (int i = rows; i >= 1; i--) {
-                    c += (__int128)t[i] * m;
-                    next[i + 1] = (int64_t)c & FX_MASK;
-                    c >>= FX_BITS;
-                }
-                c += (__int128)t[0] * m; /* |t[0]| is small: at most 2^62 with m */
-                next[1] = (int64_t)c & FX_MASK;
-                next[0] = (int64_t)(c >> FX_BITS);
-                /* next = t m 2^-52; still to go: 2^(52 - down), down >= 53 */
-                const int r = down - FX_BITS;
-                const int q = r / FX_BITS, b = r % FX_BITS;
-                for (int i = wanted; i >= 1; i--) {
-                    const int64_t lo = i - q > rows + 1 ? 0
-                                       : i - q >= 1     ? next[i - q]
-                                       : i - q == 0     ? next[0] & FX_MASK
-                                       : next[0] < 0    ? FX_MASK
-                                                        : 0;
-                    const int64_t hi = i - q - 1 > rows + 1 ? 0
-                                       : i - q - 1 >= 1     ? next[i - q - 1]
-                                       : i - q - 1 == 0     ? next[0] & FX_MASK
-                                       : next[0] < 0        ? FX_MASK
-                                                            : 0;
-                    t[i] = (lo >> b) | (int64_t)((uint64_t)hi << (FX_BITS - b) & (uint64_t)FX_MASK);
-                }
-                t[0] = q == 0 ? next[0] >> b : next[0] < 0 ? -1 : 0;
-            } else {
-                memset(t, 0, (size_t)(wanted + 1) * 8);
-            }
-            rows = wanted;
-        }
-        int64_t c = 0;
-        for (int i = rows - 1; i >= 1; i--) {
-            c += t[i] + x[i];
-            t[i] = c & FX_MASK;
-            c >>= FX_BITS;
-        }
-        t[0] += x[0] + c;
-    }
+    const_set_scaled(F, &F->tau, tau, F->decay);
+    F->kernel->sum(F, a, n, &F->tau);
+    const int rows = F->acc.rows;
+    const int64_t *t = F->acc.t;
     mpz_import(F->z, (size_t)rows, 1, 8, 0, 64 - FX_BITS, t + 1);
     mpz_set_si(F->z2, (long)t[0]);
     mpz_mul_2exp(F->z2, F->z2, (mp_bitcnt_t)(FX_BITS * rows));

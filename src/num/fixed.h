@@ -4,9 +4,9 @@
  *     A_k = a_k 2^(d k) = x_k 2^(e+1),   -1/2 <= x_k < 1/2,
  * that is |a_k| <= 2^e 2^(-d k). What is stored is u_k = x_k + 1/2 in [0, 1): non-negative, with the same
  * bias at every order, in limbs of 52 bits, limb 0 the most significant. Order k keeps
- *     rows(k) = max(1, ceil((W - d k)/52)) limbs,
- * so that the absolute accuracy of a_k is 2^(e+1-W) at every order: the window shrinks by d bits per
- * order and is a function of k alone.
+ *     rows(k) = max(1, ceil((W - d k + r k)/52)) limbs,   r = FX_REACH/8,
+ * so that a_k tau^k is accurate to 2^(e+1-W) at every order and for every tau up to 2^r: the window shrinks
+ * by d - r bits per order and is a function of k alone.
  *
  * Small numbers ("few-limb numbers") are arrays t[0..rows]: t[0] is the signed integer part and
  * t[i], i >= 1, counts 2^(-52 i). Normalised means 0 <= t[i] < 2^52 for i >= 1; between carry passes the
@@ -28,21 +28,27 @@
 #include <stdint.h>
 
 #define FX_BITS      52
+#define FX_REACH     2 /* sums serve tau up to 2^(FX_REACH/8) */
 #define FX_MASK      ((INT64_C(1) << FX_BITS) - 1)
 #define FX_HALF      (INT64_C(1) << (FX_BITS - 1)) /* 1/2 in t[1] */
 #define FX_MAX_LOAD  256                           /* of few-limb sums: |t[i]| < 2^60 */
 #define FX_LANE_LOAD 1000                          /* of one lane of a column: |lane| < 2^62 */
 #define FX_SUM_LOAD  400                           /* of a column over its 8 lanes: twice it < 2^62 */
 
+/* What is kept of a series beside its values. Each part is made when a convolution first asks for it, and
+ * kept up from then on: a series that is never an operand has none. */
+enum { FX_FWD = 1, FX_REV = 2, FX_SUMS = 4 };
+
 typedef struct fx_series {
     bool live;       /* exponent chosen */
     bool constant;   /* kept across expansions */
+    int parts;       /* FX_FWD, FX_REV, FX_SUMS */
     int stored;      /* orders 0..stored-1 hold values */
     long exp;        /* e */
     int64_t peak;    /* max over stored k of the first limb of |x_k| */
-    uint64_t *fwd;   /* limb l of order k at fwd[l * stride + k] */
-    uint64_t *rev;   /* the same at rev[l * stride + order - k] */
-    int64_t *record; /* order k: D_k, eight zeros, x_k at `value`; integer parts first */
+    uint64_t *fwd;   /* limb l of order k at fwd[l * stride + k], if kept */
+    uint64_t *rev;   /* the same at rev[l * stride + order - k], if kept */
+    int64_t *record; /* order k: D_k if kept, eight zeros, x_k at `value`; integer parts first */
 } fx_series;
 
 /* sign * 2^exp * sum_{i >= 1} limb[i] 2^(-52 i); limbs from -pad to beyond the last row are zero. */
@@ -52,6 +58,7 @@ typedef struct fx_const {
     int series, index; /* cached: which coefficient, which multiple */
     long divisor_exp;  /* of a reciprocal: the exponent of the divisor */
     long exp;
+    int used; /* limbs beyond this one are zero */
     int64_t *limb;
 } fx_const;
 
@@ -77,6 +84,8 @@ typedef struct fx_kernel {
     void (*store_ratio)(fx *F, int w, int k, long p, long q);
     void (*store_over)(fx *F, int w, int k, int d, int v, int twice);
     void (*store_next)(fx *F, int w, int k, int c);
+    /* The accumulator is sum_{k <= n} A_k c^k, c a fraction in [0, 1) without an exponent. */
+    void (*sum)(fx *F, int a, int n, const fx_const *c);
 } fx_kernel;
 
 struct fx {
@@ -98,6 +107,7 @@ struct fx {
     int lanes_rows, lanes_load, corr_load;
     long lanes_exp, terms;
     int64_t *corr;
+    int64_t *zeros; /* a number */
     fx_number acc;
     int64_t *tmp, *tmp2, *tmp3;
 
@@ -106,6 +116,7 @@ struct fx {
     fx_const *step_const;    /* per series and one more: a_0 R; the last is R itself */
     fx_const *next_const;    /* the same times 1/(k+1), the last k used */
     fx_const *reciprocal;    /* per series d: 1/d_v, the last v used */
+    fx_const tau;            /* of a sum, times 2^-d */
 
     mpz_t z, z2;
     mpfr_t f, f2, f3, g, g2; /* working precision and more; g, g2 for functions */
@@ -125,15 +136,17 @@ void fx_begin(fx *F, double H);
 void fx_get(const fx *F, mpfr_t y, int a, int k);
 void fx_set(fx *F, int w, int k, const mpfr_t y, bool keep);
 double fx_get_2exp(const fx *F, long *e, int a, int k);
-/* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 1, with an error below 3 (n+1) 2^(e-W). */
-void fx_sum(fx *F, mpfr_t y, int a, int n, double tau);
+/* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 2^(FX_REACH/8), with an error below 3 (n+1) 2^(e-W). Costs least
+ * where tau has few bits. */
+void fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau);
 
 long fx_learnt(const fx *F, int a); /* the block exponent the next expansion will take */
 void fx_set_exponent(fx *F, int a, long e);
 void fx_fill(fx *F, int a, int k);      /* zeros in orders stored..k */
 void fx_choose(fx *F, int w, int k);    /* exponent of w, from the accumulator about to be stored at k */
 void fx_raise(fx *F, int w, int k);     /* higher exponent, so that the accumulator fits at k */
-void fx_sums(fx *F, int w, int k);      /* D_j anew for all stored j >= k */
+void fx_sums(fx *F, int w, int k);      /* D_j anew for all stored j >= k, if kept */
+void fx_want(fx *F, int a, int parts);  /* more parts */
 void fx_prepare_constant(fx *F, int c); /* constant[c] */
 void fx_prepare_step(fx *F, int c);     /* step_const[c] */
 const fx_const *fx_reciprocal(fx *F, int d, int v);

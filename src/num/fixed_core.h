@@ -1,10 +1,14 @@
 /* The order loop of block fixed point, compiled once per kernel: everything the engine calls for every
  * coefficient. The including file defines FX_KERNEL_NAME and FX_KERNEL and the kernel itself:
  *   k_conv(lanes, load, rows, a, b, stride, lo, hi, sign)         lanes += sign * sum_{j=lo..hi} a[j] b[j]
+ *                                                                 (= where *load is 0)
  *   k_square(lanes, load, rows, a, b, stride, lo, hi, mid, sign)  lanes += sign * (2 sum + a[mid] b[mid])
  *   k_reduce(t, lanes, columns)                                   t[p] = sum of column p
- *   k_mul(out, x, rows, c)                                        out = floor(x c), pairs i + j <= rows + 1
+ *   k_mul(out, x, rows, c)       out = floor(x c), pairs i + j <= rows + 1; out[1..rows + 1] are limbs
+ *   k_mul_short(out, x, rows, c)                                  the same where c->used <= 1
  *   k_carry(t, rows)                                              t normalised
+ *   k_reduce_one, k_carry_one                                     the same for a single vector, in a register
+ *   BEFORE(p), AFTER(p)                                           the vectors at p - 1 and p + 1
  * These sum the same limb pairs exactly, so every kernel gives the same bits. Nothing here allocates,
  * divides or converts. */
 #include "fixed.h"
@@ -22,6 +26,18 @@ static inline int vectors(int rows)
     return (rows + 8) >> 3; /* covering t[0..rows] */
 }
 
+/* What is to be done for every vector v of t[0..rows]; a single one is the common case. */
+#define EACH_VECTOR(rows, ...)                                                                               \
+    do {                                                                                                     \
+        if ((rows) < 8) {                                                                                    \
+            enum { v = 0 };                                                                                  \
+            __VA_ARGS__;                                                                                     \
+        } else {                                                                                             \
+            for (int v = 0; v < vectors(rows); v++)                                                          \
+                __VA_ARGS__;                                                                                 \
+        }                                                                                                    \
+    } while (0)
+
 static inline void normalise(fx_number *x)
 {
     if (!x->normal) {
@@ -38,8 +54,7 @@ static inline void shift_down(int64_t *out, const int64_t *t, int rows, long shi
     if (shift > (long)FX_BITS * rows) {
         const long left = shift - (long)FX_BITS * rows;
         const int64_t whole = t[0]; /* out may be t */
-        for (int v = 0; v < vectors(rows); v++)
-            V(out + 8 * v) = (fx_u){0};
+        EACH_VECTOR(rows, V(out + 8 * v) = (fx_u){0});
         out[rows] = whole >> (left > 63 ? 63 : left);
         return;
     }
@@ -62,8 +77,7 @@ static void add(fx *F, const int64_t *x, int rows, long exp, int weight)
     const int size = weight < 0 ? -weight : weight;
     const uint64_t flip = weight < 0 ? ~UINT64_C(0) : 0;
     if (acc->load == 0) {
-        for (int v = 0; v < vectors(rows); v++)
-            V(acc->t + 8 * v) = TIMES(x + 8 * v, 0);
+        EACH_VECTOR(rows, V(acc->t + 8 * v) = TIMES(x + 8 * v, 0));
         acc->rows = rows;
         acc->load = size;
         acc->exp = exp;
@@ -84,34 +98,29 @@ static void add(fx *F, const int64_t *x, int rows, long exp, int weight)
     if (shift >= 0 && shift <= 7 && (size << shift) <= 128) {
         if (acc->load + (size << shift) > FX_MAX_LOAD)
             normalise(acc);
-        for (int v = 0; v < vectors(rows); v++)
-            V(acc->t + 8 * v) += TIMES(x + 8 * v, shift);
+        EACH_VECTOR(rows, V(acc->t + 8 * v) += TIMES(x + 8 * v, shift));
         acc->load += size << shift;
     } else if (shift < 0 && shift >= -7) {
         if ((acc->load << -shift) + size > FX_MAX_LOAD)
             normalise(acc);
         const int s = (int)-shift;
-        for (int v = 0; v < vectors(rows); v++)
-            V(acc->t + 8 * v) = (CV(acc->t + 8 * v) << s) + TIMES(x + 8 * v, 0);
+        EACH_VECTOR(rows, V(acc->t + 8 * v) = (CV(acc->t + 8 * v) << s) + TIMES(x + 8 * v, 0));
         acc->load = (acc->load << s) + size;
         acc->exp = exp;
     } else if (shift < 0) {
         if (-shift >= 8 * FX_BITS && x != F->tmp && x != F->tmp3) { /* a record has room for eight limbs */
-            for (int v = 0; v < vectors(rows); v++)
-                V(F->tmp3 + 8 * v) = CV(x + 8 * v);
+            EACH_VECTOR(rows, V(F->tmp3 + 8 * v) = CV(x + 8 * v));
             x = F->tmp3;
         }
         shift_down(F->tmp2, x, rows, -shift);
         if (acc->load + size > FX_MAX_LOAD)
             normalise(acc);
-        for (int v = 0; v < vectors(rows); v++)
-            V(acc->t + 8 * v) += TIMES(F->tmp2 + 8 * v, 0);
+        EACH_VECTOR(rows, V(acc->t + 8 * v) += TIMES(F->tmp2 + 8 * v, 0));
         acc->load += size;
     } else {
         normalise(acc);
         shift_down(acc->t, acc->t, rows, shift);
-        for (int v = 0; v < vectors(rows); v++)
-            V(acc->t + 8 * v) += TIMES(x + 8 * v, 0);
+        EACH_VECTOR(rows, V(acc->t + 8 * v) += TIMES(x + 8 * v, 0));
         acc->load = 1 + size;
         acc->exp = exp;
     }
@@ -135,13 +144,21 @@ static void flush(fx *F)
     int64_t *t = F->acc.load == 0 ? F->acc.t : F->tmp;
     if (8 * F->lanes_load > FX_SUM_LOAD)
         k_carry_lanes(F->lanes, &F->lanes_load, rows);
-    k_reduce(t, F->lanes, rows + 2);
     const uint64_t terms = (uint64_t)F->terms;
     const fx_u count = {(uint64_t)(F->terms >> 1), (terms & 1) * (uint64_t)FX_HALF};
-    V(t) = CV(t) * 2 - (CV(F->corr) & CV(below_row(rows, 0))) + count;
-    for (int v = 1; v < vectors(rows + 1); v++)
-        V(t + 8 * v) = CV(t + 8 * v) * 2 - (CV(F->corr + 8 * v) & CV(below_row(rows, v)));
-    k_carry(t, rows + 1);
+    if (rows < 7) {
+        fx_u x;
+        k_reduce_one(&x, F->lanes, rows + 2);
+        x = x * 2 - (CV(F->corr) & CV(below_row(rows, 0))) + count;
+        k_carry_one(&x, rows + 1);
+        V(t) = x;
+    } else {
+        k_reduce(t, F->lanes, rows + 2);
+        V(t) = CV(t) * 2 - (CV(F->corr) & CV(below_row(rows, 0))) + count;
+        for (int v = 1; v < vectors(rows + 1); v++)
+            V(t + 8 * v) = CV(t + 8 * v) * 2 - (CV(F->corr + 8 * v) & CV(below_row(rows, v)));
+        k_carry(t, rows + 1);
+    }
     F->lanes_used = false;
     if (t == F->acc.t) {
         F->acc.rows = rows;
@@ -160,10 +177,6 @@ static inline void open_lanes(fx *F, int rows, long exp)
             return;
         flush(F);
     }
-    for (int p = 0; p < rows + 2; p++)
-        V(F->lanes + 8 * p) = (fx_u){0};
-    for (int v = 0; v < vectors(rows + 1); v++)
-        V(F->corr + 8 * v) = (fx_u){0};
     F->lanes_used = true;
     F->lanes_rows = rows;
     F->lanes_exp = exp;
@@ -171,7 +184,7 @@ static inline void open_lanes(fx *F, int rows, long exp)
     F->terms = 0;
 }
 
-/* Record of order k: D_k, eight zeros, x_k. */
+/* Record of order k: D_k, if kept, eight zeros, x_k. */
 static inline int64_t *record_at(const fx *F, const fx_series *s, int k)
 {
     return s->record + (size_t)k * (size_t)F->record;
@@ -183,20 +196,16 @@ static inline int64_t *record_at(const fx *F, const fx_series *s, int k)
 static inline void correct(fx *F, int rows, int weight, const fx_series *s, int lo, int hi)
 {
     const int64_t *d = record_at(F, s, hi);
+    const int64_t *below = lo == 0 ? F->zeros : record_at(F, s, lo - 1);
     const uint64_t flip = weight < 0 ? ~UINT64_C(0) : 0;
     const int twice = weight == 2 || weight == -2; /* +-1 or +-2 */
     if (F->corr_load > 800 - 4 * SUM_LOAD) {
         k_carry(F->corr, rows);
         F->corr_load = 1;
     }
-    if (lo == 0) {
-        for (int v = 0; v < vectors(rows); v++)
-            V(F->corr + 8 * v) += ((CV(d + 8 * v) << twice) ^ flip) - flip;
-    } else {
-        const int64_t *below = record_at(F, s, lo - 1);
-        for (int v = 0; v < vectors(rows); v++)
-            V(F->corr + 8 * v) += (((CV(d + 8 * v) - CV(below + 8 * v)) << twice) ^ flip) - flip;
-    }
+    const uint64_t old = F->corr_load == 0 ? 0 : ~UINT64_C(0);
+    EACH_VECTOR(rows, V(F->corr + 8 * v) = (CV(F->corr + 8 * v) & old) +
+                                           (((CV(d + 8 * v) - CV(below + 8 * v)) << twice) ^ flip) - flip);
     F->corr_load += 4 * SUM_LOAD;
 }
 
@@ -245,11 +254,41 @@ static void f_scaled(fx *F, int sign, int c, int a, int k)
     add(F, F->tmp, rows, s->exp + 1 - (long)F->decay * k + m->exp, sign);
 }
 
+static inline bool has(const fx_series *s, int parts)
+{
+    return (s->parts & parts) == parts;
+}
+
+/* Which operand is read forwards does not matter; the fewer copies of series, the better. True: swap them. */
+static bool orient(fx *F, int a, int b)
+{
+    const fx_series *s = &F->series[a], *t = &F->series[b];
+    const int missing = !(s->parts & FX_FWD) + !(t->parts & FX_REV),
+              missing_swapped = !(t->parts & FX_FWD) + !(s->parts & FX_REV);
+    const bool swap = missing_swapped < missing;
+    const int forwards = swap ? b : a, backwards = swap ? a : b;
+    if (!has(&F->series[forwards], FX_FWD | FX_SUMS))
+        fx_want(F, forwards, FX_FWD | FX_SUMS);
+    if (!has(&F->series[backwards], FX_REV | FX_SUMS))
+        fx_want(F, backwards, FX_REV | FX_SUMS);
+    return swap;
+}
+
 static void f_conv(fx *F, int sign, int a, int b, int n, int lo, int hi)
 {
     fx_series *s = &F->series[a], *t = &F->series[b];
     if (lo > hi || !s->live || !t->live)
         return;
+    if ((!has(s, FX_FWD | FX_SUMS) || !has(t, FX_REV | FX_SUMS)) && orient(F, a, b)) {
+        const int swap = a, swap_lo = lo;
+        fx_series *const swap_series = s;
+        a = b;
+        b = swap;
+        s = t;
+        t = swap_series;
+        lo = n - hi;
+        hi = n - swap_lo;
+    }
     if (s->stored <= hi)
         fx_fill(F, a, hi);
     if (t->stored <= n - lo)
@@ -267,6 +306,8 @@ static void f_square(fx *F, int sign, int a, int n, int lo)
     fx_series *s = &F->series[a];
     if (lo > n - lo || !s->live)
         return;
+    if (!has(s, FX_FWD | FX_REV | FX_SUMS))
+        fx_want(F, a, FX_FWD | FX_REV | FX_SUMS);
     if (s->stored <= n - lo)
         fx_fill(F, a, n - lo);
     const int rows = F->rows[n];
@@ -306,8 +347,7 @@ static void put(fx *F, int w, int k, bool nonzero)
     int64_t *record = record_at(F, s, k);
     int64_t *x = record + F->value;
     if (!nonzero || !s->live) {
-        for (int v = 0; v < vectors(rows); v++)
-            V(x + 8 * v) = (fx_u){0};
+        EACH_VECTOR(rows, V(x + 8 * v) = (fx_u){0});
     } else {
         const fx_number *acc = &F->acc;
         const int64_t *t = acc->t;
@@ -315,14 +355,12 @@ static void put(fx *F, int w, int k, bool nonzero)
         const long shift = acc->exp - (s->exp + 1 - (long)F->decay * k);
         if (acc->rows >= rows && shift <= 0 && shift > -FX_BITS) {
             const int r = (int)-shift;
-            for (int v = 0; v < vectors(rows); v++)
-                V(x + 8 * v) =
-                    (fx_u)(SV(t + 8 * v) >> r) + ((CV(t + 8 * v - 1) << (FX_BITS - r)) & (uint64_t)FX_MASK);
+            EACH_VECTOR(rows, V(x + 8 * v) = (fx_u)(SV(t + 8 * v) >> r) +
+                                             ((BEFORE(t + 8 * v) << (FX_BITS - r)) & (uint64_t)FX_MASK));
         } else if (acc->rows > rows && shift > 0 && shift < FX_BITS && t[0] >= -1024 && t[0] < 1024) {
             const int l = (int)shift;
-            for (int v = 0; v < vectors(rows); v++)
-                V(x + 8 * v) = ((CV(t + 8 * v) << l) & (v == 0 ? whole_first : limb_mask)) +
-                               (CV(t + 8 * v + 1) >> (FX_BITS - l));
+            EACH_VECTOR(rows, V(x + 8 * v) = ((CV(t + 8 * v) << l) & (v == 0 ? whole_first : limb_mask)) +
+                                             (AFTER(t + 8 * v) >> (FX_BITS - l)));
         } else {
             fx_shift(x, t, rows, acc->rows, shift);
         }
@@ -337,24 +375,31 @@ static void put(fx *F, int w, int k, bool nonzero)
     s->peak = top > s->peak ? top : s->peak;
 
     /* u = x + 1/2; its integer part was found to vanish */
-    const fx_u half = {0, (uint64_t)FX_HALF};
-    const fx_u no_whole = ALL_LIMBS(0);
-    const fx_u u0 = (CV(x) + half) & no_whole;
-    V(F->tmp2) = u0;
-    uint64_t *fwd = s->fwd + k, *rev = s->rev + (F->order - k);
+    const uint64_t first_limb = (uint64_t)((x[1] + FX_HALF) & FX_MASK);
     const size_t stride = F->stride;
-    const uint64_t *u = (const uint64_t *)(rows < 8 ? F->tmp2 : x) + 1;
-    fwd[0] = rev[0] = (uint64_t)F->tmp2[1];
-    for (int i = 1; i < rows; i++) {
-        fwd += stride;
-        rev += stride;
-        *fwd = *rev = u[i];
+    const uint64_t *u = (const uint64_t *)x + 1;
+    if (s->parts & FX_FWD) {
+        uint64_t *fwd = s->fwd + k;
+        *fwd = first_limb;
+        for (int i = 1; i < rows; i++)
+            *(fwd += stride) = u[i];
+    }
+    if (s->parts & FX_REV) {
+        uint64_t *rev = s->rev + (F->order - k);
+        *rev = first_limb;
+        for (int i = 1; i < rows; i++)
+            *(rev += stride) = u[i];
     }
     if (k < s->stored) {
         fx_sums(F, w, k);
         return;
     }
     s->stored = k + 1;
+    if (!(s->parts & FX_SUMS))
+        return;
+    const fx_u half = {0, (uint64_t)FX_HALF};
+    const fx_u no_whole = ALL_LIMBS(0);
+    const fx_u u0 = (CV(x) + half) & no_whole;
     if (k == 0) {
         V(record) = u0;
         for (int v = 1; v < vectors(rows); v++)
@@ -374,7 +419,7 @@ static void f_store(fx *F, int w, int k)
     put(F, w, k, finish(F));
 }
 
-/* acc *= c */
+/* acc *= c, with the limb that the product adds. */
 static inline bool times(fx *F, const fx_const *c)
 {
     if (c->sign == 0)
@@ -383,6 +428,7 @@ static inline bool times(fx *F, const fx_const *c)
     int64_t *t = F->tmp;
     F->tmp = F->acc.t;
     F->acc.t = t;
+    F->acc.rows++;
     F->acc.exp += c->exp;
     return true;
 }
@@ -431,6 +477,7 @@ static void f_store_next(fx *F, int w, int k, int c)
             next->sign = step->sign;
             next->exp = step->exp + inverse->exp;
             next->index = k;
+            next->used = rows + 1;
             next->series = rows;
         }
         nonzero = times(F, next);
@@ -438,6 +485,41 @@ static void f_store_next(fx *F, int w, int k, int c)
     put(F, w, k + 1, nonzero);
 }
 
-const fx_kernel FX_KERNEL = {FX_KERNEL_NAME, f_zero,       f_coef,      f_scaled,
-                             f_conv,         f_square,     f_store,     f_store_scaled,
-                             f_store_ratio,  f_store_over, f_store_next};
+/* Horner's rule, with one limb more than x_k: what a product drops is some units of that limb. */
+static void f_sum(fx *F, int a, int n, const fx_const *c)
+{
+    const fx_series *s = &F->series[a];
+    int64_t *t = F->tmp, *next = F->tmp2;
+    int rows = 0; /* of t */
+    f_zero(F);
+    for (int k = n; k >= 0; k--) {
+        const int64_t *x = record_at(F, s, k) + F->value;
+        const int now = F->rows[k];
+        if (k == n || c->sign == 0) {
+            EACH_VECTOR(now, V(t + 8 * v) = CV(x + 8 * v));
+            rows = now + 1;
+            t[rows] = 0;
+            continue;
+        }
+        while (rows < now + 1)
+            t[++rows] = 0;
+        if (c->used <= 1)
+            k_mul_short(next, t, rows, c);
+        else
+            k_mul(next, t, rows, c);
+        EACH_VECTOR(now, V(next + 8 * v) += CV(x + 8 * v) & CV(below_row(now, v)));
+        k_carry(next, rows + 1);
+        int64_t *swap = t;
+        t = next;
+        next = swap;
+    }
+    EACH_VECTOR(rows, V(F->acc.t + 8 * v) = CV(t + 8 * v));
+    F->acc.rows = rows;
+    F->acc.load = 1;
+    F->acc.normal = true;
+    F->acc.exp = s->exp + 1;
+}
+
+const fx_kernel FX_KERNEL = {FX_KERNEL_NAME, f_zero,       f_coef,       f_scaled,
+                             f_conv,         f_square,     f_store,      f_store_scaled,
+                             f_store_ratio,  f_store_over, f_store_next, f_sum};

@@ -61,20 +61,21 @@
             high = _mm512_add_epi64(high, hc##p);                                                            \
             carried = _mm512_add_epi64(carried, lc##p);                                                      \
         }                                                                                                    \
-        into(lanes + 8 * (p + 1), high, sign);                                                               \
+        into(lanes + 8 * (p + 1), high, sign, keep);                                                         \
     }
 
-INLINE void into(int64_t *lane, __m512i x, int sign)
+INLINE void into(int64_t *lane, __m512i x, int sign, __mmask8 keep)
 {
-    const __m512i s = _mm512_load_si512(lane);
+    const __m512i s = _mm512_maskz_load_epi64(keep, lane);
     _mm512_store_si512(lane, sign < 0 ? _mm512_sub_epi64(s, x) : _mm512_add_epi64(s, x));
 }
 
 /* lanes[p + 1], lanes[p + 2] += sign * diagonal p of the sum over `blocks` blocks; when `square`, twice that,
  * and the products of order mid once. */
 INLINE void tile(int64_t *lanes, const uint64_t *a, const uint64_t *b, size_t stride, int blocks,
-                 __mmask8 first, __mmask8 last, const int sign, const int r, const int w, const int corner,
-                 const int sets, const int square, int mid, const uint64_t *a0, const uint64_t *b0)
+                 __mmask8 first, __mmask8 last, const int sign, __mmask8 keep, const int r, const int w,
+                 const int corner, const int sets, const int square, int mid, const uint64_t *a0,
+                 const uint64_t *b0)
 {
     const int d = r + w - 1;
     const __m512i zero = _mm512_setzero_si512();
@@ -122,22 +123,22 @@ INLINE void tile(int64_t *lanes, const uint64_t *a, const uint64_t *b, size_t st
     }
     __m512i carried = zero;
     EACH(OUT)
-    into(lanes + 8 * (d + 1), carried, sign);
+    into(lanes + 8 * (d + 1), carried, sign, keep);
 }
 
 #define ARGS                                                                                                 \
     int64_t *lanes, const uint64_t *a, const uint64_t *b, size_t stride, int blocks, __mmask8 first,         \
-        __mmask8 last, int sign, int mid, const uint64_t *a0, const uint64_t *b0
+        __mmask8 last, int sign, __mmask8 keep, int mid, const uint64_t *a0, const uint64_t *b0
 typedef void triangle_function(ARGS);
 
 #define TRIANGLE(M, SETS)                                                                                    \
     static void conv_##M(ARGS)                                                                               \
     {                                                                                                        \
-        tile(lanes, a, b, stride, blocks, first, last, sign, M, 1, 1, SETS, 0, mid, a0, b0);                 \
+        tile(lanes, a, b, stride, blocks, first, last, sign, keep, M, 1, 1, SETS, 0, mid, a0, b0);           \
     }                                                                                                        \
     static void square_##M(ARGS)                                                                             \
     {                                                                                                        \
-        tile(lanes, a, b, stride, blocks, first, last, sign, M, 1, 1, SETS, 1, mid, a0, b0);                 \
+        tile(lanes, a, b, stride, blocks, first, last, sign, keep, M, 1, 1, SETS, 1, mid, a0, b0);           \
     }
 TRIANGLE(1, 1)
 TRIANGLE(2, 2)
@@ -162,7 +163,7 @@ static triangle_function *const square_small[SMALL + 1] = {NULL,     square_1, s
 #define TRAPEZOID(W)                                                                                         \
     static void trapezoid_##W(ARGS)                                                                          \
     {                                                                                                        \
-        tile(lanes, a, b, stride, blocks, first, last, sign, TILE, W, 1, 1, 0, mid, a0, b0);                 \
+        tile(lanes, a, b, stride, blocks, first, last, sign, keep, TILE, W, 1, 1, 0, mid, a0, b0);           \
     }
 TRAPEZOID(1)
 TRAPEZOID(2)
@@ -175,7 +176,7 @@ static triangle_function *const trapezoid[TILE + 1] = {NULL,        trapezoid_1,
 
 static void full_tile(ARGS)
 {
-    tile(lanes, a, b, stride, blocks, first, last, sign, TILE, TILE, 0, 1, 0, mid, a0, b0);
+    tile(lanes, a, b, stride, blocks, first, last, sign, keep, TILE, TILE, 0, 1, 0, mid, a0, b0);
 }
 
 static void k_carry_lanes(int64_t *lanes, int *load, int rows)
@@ -202,6 +203,17 @@ static inline void reserve(int64_t *lanes, int *load, int rows, int more)
     *load += more;
 }
 
+/* What the next call may read of the lanes; columns 0..zeros are set where nothing was added yet. A small
+ * triangle writes all the others. */
+INLINE __mmask8 fresh(int64_t *lanes, int load, int zeros)
+{
+    if (load != 0)
+        return 0xff;
+    for (int p = 0; p <= zeros; p++)
+        _mm512_store_si512(lanes + 8 * p, _mm512_setzero_si512());
+    return 0;
+}
+
 static void large(int64_t *lanes, int *load, int rows, const uint64_t *a, const uint64_t *b, size_t stride,
                   int blocks, __mmask8 first, __mmask8 last, int sign, int weight)
 {
@@ -214,16 +226,16 @@ static void large(int64_t *lanes, int *load, int rows, const uint64_t *a, const 
             const uint64_t *bj = b;
             width = rows - i;
             if (width <= TILE) {
-                conv_small[width](out, ai, bj, stride, blocks, first, last, sign, -1, a, b);
+                conv_small[width](out, ai, bj, stride, blocks, first, last, sign, 0xff, -1, a, b);
                 continue;
             }
             while (width >= 2 * TILE) {
-                full_tile(out, ai, bj, stride, blocks, first, last, sign, -1, a, b);
+                full_tile(out, ai, bj, stride, blocks, first, last, sign, 0xff, -1, a, b);
                 bj += TILE * stride;
                 out += 8 * TILE;
                 width -= TILE;
             }
-            trapezoid[width - TILE + 1](out, ai, bj, stride, blocks, first, last, sign, -1, a, b);
+            trapezoid[width - TILE + 1](out, ai, bj, stride, blocks, first, last, sign, 0xff, -1, a, b);
         }
     }
 }
@@ -238,9 +250,11 @@ static inline void k_conv(int64_t *lanes, int *load, int rows, const uint64_t *a
         const int blocks = left < BLOCKS ? left : BLOCKS;
         const __mmask8 end = left <= BLOCKS ? last : 0xff;
         if (rows <= SMALL) {
+            const __mmask8 keep = fresh(lanes, *load, 0);
             reserve(lanes, load, rows, 2 * rows * blocks);
-            conv_small[rows](lanes, a + j, b + j, stride, blocks, first, end, sign, -1, a, b);
+            conv_small[rows](lanes, a + j, b + j, stride, blocks, first, end, sign, keep, -1, a, b);
         } else {
+            fresh(lanes, *load, rows + 1);
             large(lanes, load, rows, a + j, b + j, stride, blocks, first, end, sign, 1);
         }
         first = 0xff;
@@ -256,17 +270,20 @@ static inline void k_square(int64_t *lanes, int *load, int rows, const uint64_t 
     const __mmask8 last = (__mmask8)(0xff >> (7 - (hi & 7)));
     int left = hi < lo ? 0 : (hi >> 3) - (lo >> 3) + 1;
     if (rows <= SMALL && left <= BLOCKS) {
+        const __mmask8 keep = fresh(lanes, *load, 0);
         reserve(lanes, load, rows, 2 * rows * (2 * left + 1));
-        square_small[rows](lanes, a + j, b + j, stride, left, first, last, sign, mid, a, b);
+        square_small[rows](lanes, a + j, b + j, stride, left, first, last, sign, keep, mid, a, b);
         return;
     }
     for (; left > 0; left -= BLOCKS) {
         const int blocks = left < BLOCKS ? left : BLOCKS;
         const __mmask8 end = left <= BLOCKS ? last : 0xff;
         if (rows <= SMALL) {
+            const __mmask8 keep = fresh(lanes, *load, 0);
             reserve(lanes, load, rows, 4 * rows * blocks);
-            square_small[rows](lanes, a + j, b + j, stride, blocks, first, end, sign, -1, a, b);
+            square_small[rows](lanes, a + j, b + j, stride, blocks, first, end, sign, keep, -1, a, b);
         } else {
+            fresh(lanes, *load, rows + 1);
             large(lanes, load, rows, a + j, b + j, stride, blocks, first, end, sign, 2);
         }
         first = 0xff;
@@ -316,46 +333,65 @@ static void carry_long(int64_t *t, int rows)
         carry_slowly(t, rows);
 }
 
+typedef uint64_t vector __attribute__((vector_size(64), aligned(8), may_alias));
+#define BEFORE(p) ((vector)_mm512_alignr_epi64(_mm512_loadu_si512(p), _mm512_loadu_si512((p)-8), 7))
+#define AFTER(p)  ((vector)_mm512_alignr_epi64(_mm512_loadu_si512((p) + 8), _mm512_loadu_si512(p), 1))
+
 /* Two rounds leave every limb in [-1, 2^52]; a carry that runs further is rare and done limb by limb. */
-INLINE void k_carry(int64_t *t, int rows)
+INLINE void k_carry_one(vector *t, int rows)
 {
-    if (rows > 7) {
-        carry_long(t, rows);
-        return;
-    }
     const __m512i limb = _mm512_set1_epi64(FX_MASK);
     const __m512i zero = _mm512_setzero_si512();
-    __m512i x = _mm512_maskz_loadu_epi64((__mmask8)(0xff >> (7 - rows)), t);
+    __m512i x = _mm512_maskz_mov_epi64((__mmask8)(0xff >> (7 - rows)), (__m512i)*t);
     x = _mm512_add_epi64(_mm512_mask_and_epi64(x, 0xfe, x, limb),
                          _mm512_alignr_epi64(zero, _mm512_srai_epi64(x, FX_BITS), 1));
     x = _mm512_add_epi64(_mm512_mask_and_epi64(x, 0xfe, x, limb),
                          _mm512_alignr_epi64(zero, _mm512_srai_epi64(x, FX_BITS), 1));
-    _mm512_storeu_si512(t, x);
-    if (__builtin_expect(_mm512_mask_cmpgt_epu64_mask(0xfe, x, limb) != 0, 0))
-        carry_slowly(t, rows);
+    *t = (vector)x;
+    if (__builtin_expect(_mm512_mask_cmpgt_epu64_mask(0xfe, x, limb) != 0, 0)) {
+        vector slow = *t; /* apart, so that *t can stay in a register */
+        carry_slowly((int64_t *)&slow, rows);
+        *t = slow;
+    }
+}
+
+INLINE void k_carry(int64_t *t, int rows)
+{
+    if (rows > 7)
+        carry_long(t, rows);
+    else
+        k_carry_one((vector *)t, rows);
 }
 
 /* t[p] = sum over lanes of column p, eight columns at a time: a transpose by halves, adding on the way. */
+INLINE __m512i reduce_eight(const int64_t *lanes)
+{
+    __m512i r[8], s[4];
+#pragma GCC unroll 8
+    for (int i = 0; i < 8; i++)
+        r[i] = _mm512_load_si512(lanes + 8 * i); /* those beyond are not looked at */
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; i++)
+        s[i] = _mm512_add_epi64(_mm512_unpacklo_epi64(r[2 * i], r[2 * i + 1]),
+                                _mm512_unpackhi_epi64(r[2 * i], r[2 * i + 1]));
+    /* s[i]: pairs (column 2i, column 2i + 1) in each of four 128-bit parts */
+    const __m512i u0 =
+        _mm512_add_epi64(_mm512_shuffle_i64x2(s[0], s[1], 0x88), _mm512_shuffle_i64x2(s[0], s[1], 0xdd));
+    const __m512i u1 =
+        _mm512_add_epi64(_mm512_shuffle_i64x2(s[2], s[3], 0x88), _mm512_shuffle_i64x2(s[2], s[3], 0xdd));
+    return _mm512_add_epi64(_mm512_shuffle_i64x2(u0, u1, 0x88), _mm512_shuffle_i64x2(u0, u1, 0xdd));
+}
+
 static inline void k_reduce(int64_t *t, const int64_t *lanes, int columns)
 {
-    for (int p = 0; p < columns; p += 8, lanes += 64) {
-        __m512i r[8], s[4];
-#pragma GCC unroll 8
-        for (int i = 0; i < 8; i++)
-            r[i] = _mm512_load_si512(lanes + 8 * i); /* those beyond are not looked at */
-#pragma GCC unroll 4
-        for (int i = 0; i < 4; i++)
-            s[i] = _mm512_add_epi64(_mm512_unpacklo_epi64(r[2 * i], r[2 * i + 1]),
-                                    _mm512_unpackhi_epi64(r[2 * i], r[2 * i + 1]));
-        /* s[i]: pairs (column 2i, column 2i + 1) in each of four 128-bit parts */
-        const __m512i u0 =
-            _mm512_add_epi64(_mm512_shuffle_i64x2(s[0], s[1], 0x88), _mm512_shuffle_i64x2(s[0], s[1], 0xdd));
-        const __m512i u1 =
-            _mm512_add_epi64(_mm512_shuffle_i64x2(s[2], s[3], 0x88), _mm512_shuffle_i64x2(s[2], s[3], 0xdd));
-        const __m512i v =
-            _mm512_add_epi64(_mm512_shuffle_i64x2(u0, u1, 0x88), _mm512_shuffle_i64x2(u0, u1, 0xdd));
-        _mm512_storeu_si512(t + p, v);
-    }
+    for (int p = 0; p < columns; p += 8, lanes += 64)
+        _mm512_storeu_si512(t + p, reduce_eight(lanes));
+}
+
+INLINE void k_reduce_one(vector *x, const int64_t *lanes, int columns)
+{
+    (void)columns;
+    *x = (vector)reduce_eight(lanes);
 }
 
 static void mul_wide(int64_t *out, const int64_t *x, int rows, const fx_const *c)
@@ -398,6 +434,26 @@ static inline void k_mul(int64_t *out, const int64_t *x, int rows, const fx_cons
         _mm512_storeu_si512(out + p, sum);
     }
     k_carry(out, rows + 1);
+}
+
+/* c = f 2^exp, f = limb[1] / 2^52: the pairs of k_mul without those that are zero. Not carried, the limbs
+ * being below 2^54 and t[0] below 2^62; |x[0]| <= 400 and c > 0. */
+static inline void k_mul_short(int64_t *out, const int64_t *x, int rows, const fx_const *c)
+{
+    const __m512i f = _mm512_set1_epi64(c->limb[1]);
+    __m512i left = _mm512_setzero_si512(); /* of t[p - 1] */
+    const int64_t whole = x[0] * c->limb[1];
+    for (int p = 0; p <= rows + 1; p += 8) {
+        const int n = rows + 1 - p; /* limbs x[p].. that count */
+        __m512i now = _mm512_maskz_loadu_epi64((__mmask8)(n >= 8 ? 0xff : (1 << n) - 1), x + p);
+        if (p == 0)
+            now = _mm512_maskz_mov_epi64(0xfe, now);
+        const __m512i shifted = _mm512_alignr_epi64(now, left, 7);
+        const __m512i high = _mm512_madd52hi_epu64(_mm512_setzero_si512(), now, f);
+        _mm512_storeu_si512(out + p, _mm512_madd52lo_epu64(high, shifted, f));
+        left = now;
+    }
+    out[1] += whole;
 }
 
 #define FX_KERNEL_NAME "avx512ifma"

@@ -16,6 +16,7 @@ struct cns_arith {
     bool *integrated; /* the series that store_next makes: states */
     long *level;      /* per series: see noise_log2 */
     long now;         /* of the accumulator */
+    int step_bits;    /* H < 2^step_bits */
 };
 
 static long most(long a, long b)
@@ -59,6 +60,7 @@ cns_arith *cns_fast_create(const cns_arith_spec *spec, const char *kernel, cns_e
     if (A != NULL) {
         A->F = fx_create(spec->series, spec->order, spec->prec, ops);
         A->ops = ops;
+        A->step_bits = 1; /* H = 1 */
         A->integrated = calloc((size_t)spec->series, sizeof *A->integrated);
         A->level = malloc((size_t)spec->series * sizeof *A->level);
     }
@@ -111,7 +113,7 @@ void cns_fast_status_get(const cns_arith *A, cns_fast_status *status)
     status->singular = A->F->singular;
 }
 
-void cns_fast_sum(cns_arith *A, mpfr_t y, int a, int n, double tau)
+void cns_fast_sum(cns_arith *A, mpfr_t y, int a, int n, const mpfr_t tau)
 {
     fx_sum(A->F, y, a, n, tau);
 }
@@ -129,6 +131,7 @@ static void begin(cns_arith *A, double H)
     for (int i = 0; i < A->F->n_series; i++)
         A->level[i] = LONG_MIN;
     fx_begin(A->F, H);
+    frexp(H, &A->step_bits);
 }
 
 static void get(const cns_arith *A, mpfr_t y, int a, int k)
@@ -154,9 +157,10 @@ static void zero(cns_arith *A)
 
 static void coef(cns_arith *A, long weight, int a, int k)
 {
-    int bits;
-    frexp((double)weight, &bits);
-    A->now = most(A->now, A->F->series[a].exp + bits - 1);
+    int bits = 0; /* of |weight|, less one */
+    for (long size = weight < 0 ? -weight : weight; size > 1; size >>= 1)
+        bits++;
+    A->now = most(A->now, A->F->series[a].exp + bits);
     A->ops->coef(A->F, weight, a, k);
 }
 
@@ -206,9 +210,7 @@ static void store_next(cns_arith *A, int x, int k, int c)
 {
     A->integrated[x] = true;
     A->ops->store_next(A->F, x, k, c);
-    int step;
-    frexp(A->F->H, &step);
-    settle(A, x, step + (c < 0 ? 0 : A->F->series[c].exp));
+    settle(A, x, A->step_bits + (c < 0 ? 0 : A->F->series[c].exp));
 }
 
 static void function(cns_arith *A, cns_function f, int w, int w2, int a, int b)
@@ -243,7 +245,7 @@ static double noise_log2(const cns_arith *A)
     int weight, order_bits;
     if (F->singular)
         return HUGE_VAL;
-    frexp(F->H, &weight);
+    frexp(F->H * exp2(FX_REACH / 8.0), &weight);
     frexp((double)F->order, &order_bits);
     for (int i = 0; i < F->n_series; i++) {
         if (F->series[i].constant || A->level[i] == LONG_MIN)
@@ -257,8 +259,10 @@ static double noise_log2(const cns_arith *A)
 const cns_arith_ops cns_arith_fast = {
     .name = "fast",
     .in_steps = true,
+    .reach_log2 = FX_REACH / 8.0,
     .noise_log2 = noise_log2,
     .set_precision = cns_fast_set_precision,
+    .set_decay = cns_fast_set_decay,
     .sum = cns_fast_sum,
     .create = create,
     .destroy = destroy,

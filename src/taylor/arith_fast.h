@@ -30,7 +30,7 @@ void cns_fast_set_decay(cns_arith *A, int decay);
 
 void cns_fast_status_get(const cns_arith *A, cns_fast_status *status);
 
-/* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 1, rounded to y. */
-void cns_fast_sum(cns_arith *A, mpfr_t y, int a, int n, double tau);
+/* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 2^reach_log2, rounded to y. */
+void cns_fast_sum(cns_arith *A, mpfr_t y, int a, int n, const mpfr_t tau);
 
 #endif
