@@ -120,10 +120,11 @@ GCOV ?= $(if $(findstring clang,$(CC)),llvm-cov gcov,gcov)
 
 tools: $(TOOLS)
 
+# The comparison with heyoka is made where its Python package is there.
 bench: $(BENCHES)
-	@set -e; for b in $(BENCHES); do echo "$$b"; "$$b"; done
-	@if python3 -c 'import heyoka' 2>/dev/null; then python3 tools/bench_heyoka.py; \
-	else echo 'heyoka is not installed: the comparison with it is left out'; fi
+	$(B)/bench
+	@if python3 -c 'import heyoka' 2>/dev/null; then $(B)/bench_fast -y tools/bench_heyoka.py; \
+	else $(B)/bench_fast; echo 'heyoka is not installed: the comparison with it is left out'; fi
 
 # Compiling. An object depends on its source, its headers, and the compiler and flags in use.
 
