@@ -41,20 +41,40 @@ static cns_bench_problem *problem(cns_bench_system system)
     return p;
 }
 
-static cns_bench_run measure(const cns_bench_problem *p, cns_bench_engine engine, long digits, int order,
-                             double until)
+/* What one choice costs: repeats do the same steps, and the least time that each step took, which other
+ * programs on the machine have disturbed least, is what it costs. */
+typedef struct cost {
+    int taken;
+    double *least; /* seconds of each step */
+    double covered, steps;
+} cost;
+
+static void measure(cost *c, const cns_bench_problem *p, cns_bench_engine engine, long digits, int order,
+                    double until)
 {
     cns_error err;
     cns_bench_run run = {0};
     const cns_bench_job job = {.engine = engine, .digits = digits, .order = order, .until = until};
     if (cns_bench_measure(p, &job, &run, &err))
         die(err.text);
-    for (int i = 0; i < run.n; i++)
-        mpfr_clear(run.end[i]);
-    free(run.end);
-    run.n = 0;
-    run.end = NULL;
-    return run;
+    if (!c->least) {
+        *c = (cost){.taken = run.taken, .least = run.each, .covered = run.covered, .steps = run.steps};
+        run.each = NULL;
+    } else if (c->taken != run.taken) {
+        die("a repeat took other steps");
+    }
+    for (int i = 0; i < run.taken && run.each; i++)
+        c->least[i] = fmin(c->least[i], run.each[i]);
+    cns_bench_run_clear(&run);
+}
+
+/* Per unit of time. */
+static double total(const cost *c)
+{
+    double sum = 0;
+    for (int i = 0; i < c->taken; i++)
+        sum += c->least[i];
+    return sum / c->covered;
 }
 
 /* Orders. All candidates take turns; the least of several rounds is what the candidate costs. */
@@ -77,30 +97,31 @@ static int order_by(double bits, long digits)
 
 static void order_row(cns_bench_system system, cns_bench_engine engine, long digits, double *log_sum)
 {
-    const double seconds = 5; /* for a row, about */
+    const double seconds = 8; /* for a row, about */
     cns_bench_problem *p = problem(system);
-    double best[CANDIDATES], rule = HUGE_VAL;
+    cost rule = {0}, each[CANDIDATES] = {{0}};
     const double until = system == CNS_BENCH_LORENZ ? 1 : 3, began = cpu_seconds();
-    for (int i = 0; i < CANDIDATES; i++)
-        best[i] = HUGE_VAL;
     for (int r = 0; r < ROUNDS && (r < LEAST_ROUNDS || cpu_seconds() - began < seconds); r++) {
-        rule = fmin(rule, measure(p, engine, digits, 0, until).seconds);
+        measure(&rule, p, engine, digits, 0, until);
         for (int i = 0; i < CANDIDATES; i++) {
             const int turn = (i + r) % CANDIDATES;
-            const cns_bench_run run = measure(p, engine, digits, order_by(candidates[turn], digits), until);
-            best[turn] = fmin(best[turn], run.seconds);
+            measure(&each[turn], p, engine, digits, order_by(candidates[turn], digits), until);
         }
     }
     int least = 0;
     printf("%-8s %-10s %6ld %9.4g", cns_bench_system_name(system), cns_bench_engine_name(engine), digits,
-           rule);
+           total(&rule));
     for (int i = 0; i < CANDIDATES; i++) {
-        printf(" %5.3f", best[i] / rule);
-        log_sum[i] += log(best[i] / rule);
-        least = best[i] < best[least] ? i : least;
+        const double ratio = total(&each[i]) / total(&rule);
+        printf(" %5.3f", ratio);
+        log_sum[i] += log(ratio);
+        least = total(&each[i]) < total(&each[least]) ? i : least;
     }
     printf("   %.2f\n", candidates[least]);
     fflush(stdout);
+    for (int i = 0; i < CANDIDATES; i++)
+        free(each[i].least);
+    free(rule.least);
     cns_bench_problem_free(p);
 }
 
@@ -282,26 +303,28 @@ static void small_row(cns_bench_system system, long digits, int order)
     enum { STEPS = 200, SMALL_ROUNDS = 60 };
     const double seconds = 2; /* for a row, about */
     cns_bench_problem *p = problem(system);
-    const double until = STEPS / measure(p, CNS_BENCH_MPFR, digits, order, 1e-9).steps;
-    double best[CNS_BENCH_ENGINES] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
-    const double began = cpu_seconds();
+    cost first = {0}, cost_of[CNS_BENCH_ENGINES] = {{0}};
+    measure(&first, p, CNS_BENCH_MPFR, digits, order, 1e-9);
+    const double until = STEPS / first.steps, began = cpu_seconds();
+    free(first.least);
     for (int r = 0; r < SMALL_ROUNDS && (r < LEAST_ROUNDS || cpu_seconds() - began < seconds); r++)
         for (int e = 0; e < CNS_BENCH_ENGINES; e++)
-            if (cns_bench_has((cns_bench_engine)e)) {
-                const cns_bench_run run = measure(p, (cns_bench_engine)e, digits, order, until);
-                best[e] = fmin(best[e], run.seconds);
-            }
+            if (cns_bench_has((cns_bench_engine)e))
+                measure(&cost_of[e], p, (cns_bench_engine)e, digits, order, until);
     printf("%-8s %6ld", cns_bench_system_name(system), digits);
     if (order)
         printf(" %6d", order);
     else
         printf(" %6s", "auto");
-    printf(" %10.4g", best[CNS_BENCH_MPFR]);
+    const double plain = total(&cost_of[CNS_BENCH_MPFR]);
+    printf(" %10.4g", plain);
     for (int e = CNS_BENCH_PORTABLE; e < CNS_BENCH_ENGINES; e++)
-        if (isfinite(best[e]))
-            printf(" %10.2f", best[CNS_BENCH_MPFR] / best[e]);
+        if (cost_of[e].least)
+            printf(" %10.2f", plain / total(&cost_of[e]));
     putchar('\n');
     fflush(stdout);
+    for (int e = 0; e < CNS_BENCH_ENGINES; e++)
+        free(cost_of[e].least);
     cns_bench_problem_free(p);
 }
 

@@ -57,8 +57,11 @@ typedef struct cns_bench_run {
     double seconds; /* per unit of integrated time */
     double steps;   /* per unit of integrated time */
     int order;
-    int n;       /* numbers in end */
-    mpfr_t *end; /* the states at `until` */
+    double covered; /* the time that was measured */
+    int taken;      /* steps that were measured, */
+    double *each;   /* and the seconds of each */
+    int n;          /* numbers in end */
+    mpfr_t *end;    /* the states at `until` */
 } cns_bench_run;
 
 /* *run must be zeros or an earlier run, which it replaces. CNS_USAGE: no such engine on this machine. */

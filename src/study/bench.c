@@ -1,5 +1,6 @@
 #include "cns/bench.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -162,14 +163,20 @@ void cns_bench_run_clear(cns_bench_run *run)
     for (int i = 0; i < run->n; i++)
         mpfr_clear(run->end[i]);
     free(run->end);
+    free(run->each);
     *run = (cns_bench_run){0};
 }
 
-static cns_code reach(cns_flow *f, double until, cns_error *err)
+/* Measured steps until `until` lies within the last one. */
+static cns_code reach(cns_flow *f, double until, cns_bench_run *run, cns_error *err)
 {
     cns_code code = CNS_OK;
-    while (!code && mpfr_cmp_d(cns_flow_end(f), until) < 0)
+    while (!code && mpfr_cmp_d(cns_flow_end(f), until) < 0) {
+        const double from = cpu_seconds();
         code = cns_flow_step(f, err);
+        run->each = cns_xgrow(run->each, (size_t)run->taken + 1, sizeof *run->each);
+        run->each[run->taken++] = cpu_seconds() - from;
+    }
     return code;
 }
 
@@ -194,20 +201,16 @@ static cns_code follow(cns_flow *f, const cns_bench_problem *p, double until, cn
     if (code)
         return code;
     const double since = mpfr_get_d(cns_flow_end(f), MPFR_RNDN);
-    double from = cpu_seconds();
-    if ((code = reach(f, until, err)))
+    if ((code = reach(f, until, run, err)))
         return code;
-    double seconds = cpu_seconds() - from;
     end_states(f, p, until, run);
-    if (cns_flow_steps(f) == 1) { /* a step at least, to have something to measure */
-        from = cpu_seconds();
-        if ((code = cns_flow_step(f, err)))
+    if (run->taken == 0) /* a step at least, to have something to measure */
+        if ((code = reach(f, since * (1 + DBL_EPSILON), run, err)))
             return code;
-        seconds = cpu_seconds() - from;
-    }
-    const double time = mpfr_get_d(cns_flow_end(f), MPFR_RNDN) - since;
-    run->seconds = seconds / time;
-    run->steps = (double)(cns_flow_steps(f) - 1) / time;
+    run->covered = mpfr_get_d(cns_flow_end(f), MPFR_RNDN) - since;
+    for (int i = 0; i < run->taken; i++)
+        run->seconds += run->each[i] / run->covered;
+    run->steps = run->taken / run->covered;
     return CNS_OK;
 }
 
