@@ -165,14 +165,14 @@ typedef struct expansion {
     double H, best, noise;
 } expansion;
 
-static void expand(const cns_bench_problem *p, const mpfr_t *state, cns_jet *J, int order, double H)
+/* False where the coefficients do not fit. */
+static bool expand(const cns_bench_problem *p, const mpfr_t *state, cns_jet *J, int order, double H)
 {
     cns_error err;
     cns_jet_begin(J, H);
     for (int i = 0; i < cns_bench_states(p); i++)
         cns_jet_set_state(J, i, state[i]);
-    if (cns_jet_expand(J, order, &err))
-        die(err.text);
+    return !cns_jet_expand(J, order, &err);
 }
 
 /* The step at which the last coefficients are below 2^-tolerance. */
@@ -185,7 +185,8 @@ static double step_for(const cns_bench_problem *p, const mpfr_t *state, int orde
     cns_jet *J = cns_jet_new(&spec, &err);
     if (!J)
         die(err.text);
-    expand(p, state, J, order, 1);
+    if (!expand(p, state, J, order, 1))
+        die("no expansion in MPFR");
     double best = HUGE_VAL;
     for (int k = order - TESTED + 1; k <= order; k++)
         for (int i = 0; i < cns_bench_states(p); i++) {
@@ -208,6 +209,7 @@ static double worst_noise(const cns_bench_problem *p, cns_jet *J, int order, dou
     static const double end = 7.5;
     cns_error err;
     double worst = -HUGE_VAL;
+    bool fits = false;
     for (int i = 0; i < POINTS; i++) {
         cns_bench_run run = {0};
         const cns_bench_job job = {
@@ -216,8 +218,8 @@ static double worst_noise(const cns_bench_problem *p, cns_jet *J, int order, dou
             die(err.text);
         const double H = step_for(p, (const mpfr_t *)run.end, order, tolerance);
         for (int again = 0; again < 2; again++) /* block exponents are learnt from one to the next */
-            expand(p, (const mpfr_t *)run.end, J, order, H);
-        worst = fmax(worst, cns_arith_fast.noise_log2(cns_jet_arith(J)));
+            fits = expand(p, (const mpfr_t *)run.end, J, order, H);
+        worst = fmax(worst, fits ? cns_arith_fast.noise_log2(cns_jet_arith(J)) : HUGE_VAL);
         cns_bench_run_clear(&run);
     }
     return worst;
@@ -269,7 +271,9 @@ static void decay_row(long digits)
         const double noise = x[c].noise + tolerance;
         printf("%6ld %6.2f %6d %6d %6d %10.4g %7.3f %8.1f%s\n", digits, choice[c].bits, choice[c].decay,
                choice[c].guard, x[c].order, x[c].best, x[c].best / x[COMMITTED].best, noise,
-               noise > allowed ? "  too much" : "");
+               noise == HUGE_VAL ? "  does not fit"
+               : noise > allowed ? "  too much"
+                                 : "");
         cns_jet_free(x[c].J);
     }
     fflush(stdout);
