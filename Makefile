@@ -53,7 +53,7 @@ LIB     := $(B)/libcns.a
 PROGRAM := $(B)/cns
 TESTS   := $(B)/cns-tests
 TOOLS   := $(patsubst tools/%.c,$(B)/%,$(TOOL_SOURCES))
-BENCHES := $(filter $(B)/bench%,$(TOOLS))
+BENCHES := $(B)/bench $(B)/bench_fast
 
 prefix     ?= /usr/local
 bindir     ?= $(prefix)/bin
@@ -67,7 +67,12 @@ CASE       ?= cases/case4.yaml
 JOBS      = $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
 MAKE_JOBS = --no-print-directory $(if $(findstring -j,$(MAKEFLAGS)),,-j$(JOBS))
 
-.PHONY: all run check check-san debug san coverage bench tools install uninstall \
+# Suites that say most about memory; the others take hours under valgrind.
+VALGRIND_SUITES ?= number decimal case roots program recurrences tangent ensemble
+VALGRIND = CNS_KERNEL=portable CK_DEFAULT_TIMEOUT=36000 valgrind -q --error-exitcode=99 --leak-check=full \
+           --errors-for-leak-kinds=definite
+
+.PHONY: all run check check-san check-valgrind same-bits tune bench-large exponents debug san coverage bench tools install uninstall \
         format format-check clean help setup FORCE
 .DELETE_ON_ERROR:
 .SUFFIXES:
@@ -80,9 +85,12 @@ help:
 	'make run          install what is missing, build, run $(CASE) (CASE=FILE: another)' \
 	'make check        install what is missing, build, run all tests (T="number cli": some)' \
 	'make check-san    the tests under AddressSanitizer and UBSan' \
+	'make check-valgrind   the tests and short runs under valgrind, portable kernel (T="number": some suites)' \
+	'make same-bits    random cases: the same table with any kernel, threads, compiler' \
 	'make coverage     the tests with gcov; the report is build/coverage/report/index.html' \
 	'make debug | san  these variants, in build/debug and build/san' \
-	'make bench        build and run the benchmarks of tools/' \
+	'make bench        the full table of speed, and the engine against loops by hand' \
+	'make tune | bench-large | exponents   constants of the rules; many digits; how cost grows' \
 	'make tools        build the programs of tools/' \
 	'make install      to $(prefix) (prefix=, DESTDIR=); make uninstall' \
 	'make format       clang-format all sources; make format-check: only look' \
@@ -108,6 +116,19 @@ debug san:
 check-san:
 	@$(MAKE) $(MAKE_JOBS) VARIANT=san check
 
+# Valgrind knows no AVX-512: the portable kernel. A branch on memory not set, a leak, a bad address: exit 99.
+check-valgrind:
+	@tools/setup --tests
+	@$(MAKE) $(MAKE_JOBS) all $(TESTS)
+	$(VALGRIND) $(TESTS) $(or $(T),$(VALGRIND_SUITES))
+	$(VALGRIND) $(PROGRAM) run -q cases/case4.yaml --set time.end=3 -o /dev/null
+	$(VALGRIND) $(PROGRAM) run -q cases/case4-smooth.yaml --set time.end=1 --set goal.decimals=5 -o /dev/null
+	$(VALGRIND) $(PROGRAM) run -q cases/rest.yaml --set time.end=1 -o /dev/null
+	$(VALGRIND) $(PROGRAM) check -q cases/lorenz.yaml
+
+same-bits:
+	@tools/same_bits
+
 coverage:
 	@find build/coverage -name '*.gcda' -delete 2>/dev/null || true
 	@$(MAKE) $(MAKE_JOBS) VARIANT=coverage check
@@ -120,10 +141,18 @@ GCOV ?= $(if $(findstring clang,$(CC)),llvm-cov gcov,gcov)
 
 tools: $(TOOLS)
 
+# The comparison with heyoka is made where its Python package is there.
 bench: $(BENCHES)
-	@set -e; for b in $(BENCHES); do echo "$$b"; "$$b"; done
-	@if python3 -c 'import heyoka' 2>/dev/null; then python3 tools/bench_heyoka.py; \
-	else echo 'heyoka is not installed: the comparison with it is left out'; fi
+	$(B)/bench
+	@if python3 -c 'import heyoka' 2>/dev/null; then $(B)/bench_fast -y tools/bench_heyoka.py; \
+	else $(B)/bench_fast; echo 'heyoka is not installed: the comparison with it is left out'; fi
+
+tune: $(B)/tune
+	$(B)/tune
+bench-large: $(B)/bench_large
+	$(B)/bench_large
+exponents: all
+	tools/exponents $(PROGRAM)
 
 # Compiling. An object depends on its source, its headers, and the compiler and flags in use.
 

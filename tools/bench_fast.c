@@ -1,24 +1,28 @@
-/* The fast arithmetic's speed: processor time per unit of integrated time, at the same digits, of the plain
- * engine and of the fast one with each kernel, on the falling disk with |omega| exact and smoothed and on
- * Lorenz's model; and how near the kernels come to what the processor can multiply.
- * Usage: bench_fast [DIGITS [MODEL]]: only those rows. */
+/* The full table of speed: processor time per unit of integrated time of the plain engine, of the fast one
+ * with each kernel, and of heyoka's multiprecision reals (tools/bench_heyoka.py), on the falling disk with
+ * |omega| exact and smoothed and on Lorenz's model; and how near the kernels come to what the processor can
+ * multiply.
+ *
+ * usage: bench_fast [-r RUNS] [-y SCRIPT] [DIGITS [MODEL]]
+ *   -r RUNS    medians of so many runs (default 5)
+ *   -y SCRIPT  compare with heyoka through this script
+ *   DIGITS     only these rows; 0: all
+ *   MODEL      only this model */
 #include <math.h>
 #include <mpfr.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "cns/arith.h"
+#include "cns/bench.h"
 #include "cns/integrate.h"
-#include "cns/model.h"
-#include "cns/program.h"
+#include "cns/jet.h"
 #include "num/fixed.h"
 
-enum { PLAIN, PORTABLE, IFMA, ENGINES, MOST_RUNS = 5, MOST_STATES = 8 };
-static const char *const engines[ENGINES] = {"mpfr", "portable", "avx512ifma"};
-static const char *const model_names[3] = {"apw", "apw, eps 1e-3", "lorenz"};
-static double peak[ENGINES]; /* limb products of 52 by 52 bits per second */
+static double peak[CNS_BENCH_ENGINES]; /* limb products of 52 by 52 bits per second */
 
 static void die(const char *what)
 {
@@ -37,14 +41,6 @@ static int by_size(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
-}
-
-static double median(const double *x, int n)
-{
-    double sorted[MOST_RUNS];
-    memcpy(sorted, x, (size_t)n * sizeof *x);
-    qsort(sorted, (size_t)n, sizeof *sorted, by_size);
-    return n % 2 ? sorted[n / 2] : 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]);
 }
 
 /* Peaks: independent multiply-adds in registers. A limb product is two IFMA instructions for eight lanes, or
@@ -101,217 +97,216 @@ static double wide_rate(void)
     return (double)TERMS * (double)loops / seconds;
 }
 
-/* Limb products of one expansion: kept pairs per term, rows falling with the order as fixed.h has it. Squares
- * count half their terms. */
-static double products(int order, mpfr_prec_t prec, double convolutions)
+/* Limb products of one expansion: the convolutions of the program, counted by running it in double, each
+ * term times the limb pairs that its order keeps (num/fixed.h). A square counts half its terms. */
+
+static struct {
+    const int *rows;
+    double products;
+} count;
+
+static double kept(int n)
 {
-    long limbs = (long)prec / FX_BITS + 2;
-    double window = (double)prec + 12 + ceil(log2((order + 1.0) * (double)(limbs + 1))), sum = 0;
-    for (int n = 0; n < order; n++) {
-        double rows = ceil((window - 3.0 * n) / FX_BITS);
-        rows = rows < 1 ? 1 : rows;
-        sum += (n + 1) * rows * (rows + 1) / 2;
+    const double rows = count.rows[n];
+    return rows * (rows + 1) / 2;
+}
+
+static void counted_conv(cns_arith *A, int sign, int a, int b, int n, int lo, int hi)
+{
+    if (hi >= lo)
+        count.products += (hi - lo + 1) * kept(n);
+    cns_arith_double.conv(A, sign, a, b, n, lo, hi);
+}
+
+static void counted_square(cns_arith *A, int sign, int a, int n, int lo)
+{
+    if (n >= 2 * lo)
+        count.products += ((n - 2 * lo) / 2 + 1) * kept(n);
+    cns_arith_double.square(A, sign, a, n, lo);
+}
+
+static double products(const cns_bench_problem *p, int order, long digits)
+{
+    enum { H_LOG2 = -5, GUARD_BITS = 40 }; /* a small step: nothing overflows; what src/integrate adds */
+    cns_error err;
+    cns_arith_ops ops = cns_arith_double;
+    ops.conv = counted_conv;
+    ops.square = counted_square;
+    cns_jet_spec spec = {.program = cns_bench_program(p), .ops = &ops, .order = order, .prec = 53};
+    cns_jet *J = cns_jet_new(&spec, &err);
+    fx *F = fx_create(1, order, cns_digits_to_bits(digits) + GUARD_BITS, fx_kernel_choose("portable"));
+    if (!J || !F)
+        die("out of memory");
+    mpfr_t x;
+    mpfr_init2(x, 53);
+    cns_jet_begin(J, ldexp(1, H_LOG2));
+    for (int i = 0; i < cns_bench_states(p); i++) {
+        cns_number_get_mpfr(x, &cns_bench_initial(p)[i]);
+        cns_jet_set_state(J, i, x);
     }
-    return sum * convolutions;
-}
-
-/* Of the programs: products, halves for squares. The disk: Vx^2, Vy^2, omega^2, s^2; Vx Vy, sin, cos, r s,
- * e s, two each for Vx', Vy', x', y'. Smoothed: the root's square, a square more, and a product with it. */
-static const double convolutions[3] = {15, 16, 2};
-static const double guard_bits = 28; /* what the engine adds to the precision */
-
-/* One run. */
-
-typedef struct problem {
-    int kind; /* row of model_names */
-    cns_program *program;
-    cns_number initial[MOST_STATES];
-    double scales[MOST_STATES];
-} problem;
-
-static void parse(cns_number *x, const char *text)
-{
-    cns_error err;
-    cns_number_init(x);
-    if (cns_number_parse(x, text, &err))
+    mpfr_clear(x);
+    count.rows = F->rows;
+    count.products = 0;
+    if (cns_jet_expand(J, order, &err))
         die(err.text);
+    fx_destroy(F);
+    cns_jet_free(J);
+    return count.products;
 }
 
-static void problem_init(problem *p, int kind)
-{
-    static const char *const start[2][MOST_STATES] = {{"0", "0", "1.7", "-0.45", "-0.3", "0.6"},
-                                                      {"-15.8", "-17.48", "35.64"}};
-    const cns_model *m = cns_model_find(kind == 2 ? "lorenz" : "apw");
-    cns_number parameters[MOST_STATES], eps;
-    cns_program_options options = {NULL};
-    cns_error err;
-    p->kind = kind;
-    for (int i = 0; i < m->n_parameters; i++)
-        parse(&parameters[i], m->parameters[i].standard);
-    parse(&eps, "1e-3");
-    if (kind == 1)
-        options.smooth = &eps;
-    if (cns_model_program(m, parameters, &options, &p->program, &err))
-        die(err.text);
-    for (int i = 0; i < m->n_parameters; i++)
-        cns_number_clear(&parameters[i]);
-    cns_number_clear(&eps);
-    for (int i = 0; i < m->n_states; i++) {
-        p->scales[i] = m->states[i].scale;
-        parse(&p->initial[i], start[kind == 2][i]);
-    }
-}
+/* heyoka. Its tolerance, and the precision with it, are moved until the digits that are right at the end are
+ * those of the plain engine, to within one, or one in a hundred. */
 
-static void problem_clear(problem *p)
-{
-    for (int i = 0; i < cns_program_states(p->program); i++)
-        cns_number_clear(&p->initial[i]);
-    cns_program_free(p->program);
-}
+typedef struct heyoka_result {
+    int runs;
+    double seconds;
+    double right;
+    long digits; /* asked for in the end */
+} heyoka_result;
 
-typedef struct outcome {
-    double per_time; /* seconds of processor time per unit of integrated time */
-    double steps;    /* per unit of time */
-    int order;
-    mpfr_t *end; /* the states at the time asked for */
-} outcome;
-
-static void run(const problem *p, int engine, long digits, const char *until, outcome *out)
+static bool heyoka_run(const char *script, const cns_bench_problem *p, const cns_bench_row *row, long digits,
+                       int runs, const mpfr_t *truth, heyoka_result *result)
 {
-    const double tolerance_log2 = -(double)digits * 3.3219280948873623;
-    const cns_arithmetic arithmetic = engine == PLAIN ? CNS_ARITH_MPFR : CNS_ARITH_FAST;
-    const int n = cns_program_states(p->program);
-    cns_flow_spec spec = {.program = p->program,
-                          .scales = p->scales,
-                          .method = CNS_METHOD_TAYLOR,
-                          .arithmetic = arithmetic,
-                          .prec = cns_digits_to_bits(digits),
-                          .order = cns_order_for(tolerance_log2, arithmetic),
-                          .tolerance_log2 = tolerance_log2};
-    cns_error err;
-    cns_number end;
-    parse(&end, until);
-    if (engine != PLAIN)
-        setenv("CNS_KERNEL", engines[engine], 1);
-    cns_flow *f = cns_flow_new(&spec, &err);
+    enum { LINE = 1 << 14 };
+    static char line[LINE];
+    const int n = cns_bench_states(p);
+    int states = 0;
+    snprintf(line, sizeof line, "python3 '%s' '%s' %ld %.17g %d", script, cns_bench_system_name(row->system),
+             digits, row->until, runs);
+    FILE *f = popen(line, "r");
     if (!f)
-        die(err.text);
-    cns_flow_start(f, p->initial);
-    if (cns_flow_step(f, &err)) /* constants, first guess of the step: not part of the cost per time */
-        die(err.text);
-    double since = mpfr_get_d(cns_flow_end(f), MPFR_RNDN), from = cpu_seconds();
-    while (mpfr_cmp_q(cns_flow_end(f), end.ratio) < 0)
-        if (cns_flow_step(f, &err))
-            die(err.text);
-    double seconds = cpu_seconds() - from, time = mpfr_get_d(cns_flow_end(f), MPFR_RNDN) - since;
-    out->per_time = seconds / time;
-    out->steps = (double)(cns_flow_steps(f) - 1) / time;
-    out->order = spec.order;
-    out->end = malloc((size_t)n * sizeof *out->end);
-    if (!out->end)
+        return false;
+    double seconds[CNS_BENCH_RUNS];
+    mpfr_t *end = malloc((size_t)n * sizeof *end);
+    if (!end)
         die("out of memory");
     for (int i = 0; i < n; i++)
-        mpfr_init2(out->end[i], spec.prec);
-    cns_flow_eval(f, end.ratio, out->end);
-    cns_flow_free(f);
-    cns_number_clear(&end);
-}
-
-static double agreed_digits(const problem *p, const outcome *a, const outcome *b)
-{
-    double least = HUGE_VAL;
-    mpfr_t d;
-    mpfr_init2(d, 64);
-    for (int i = 0; i < cns_program_states(p->program); i++) {
-        long e;
-        mpfr_sub(d, a->end[i], b->end[i], MPFR_RNDN);
-        if (mpfr_zero_p(d))
-            continue;
-        double m = fabs(mpfr_get_d_2exp(&e, d, MPFR_RNDN)) / p->scales[i];
-        least = fmin(least, -(log2(m) + (double)e) / 3.3219280948873623);
+        mpfr_init2(end[i], cns_digits_to_bits(digits) + 64);
+    *result = (heyoka_result){.digits = digits};
+    while (fgets(line, sizeof line, f)) {
+        if (!strncmp(line, "run ", 4) && result->runs < CNS_BENCH_RUNS)
+            seconds[result->runs++] = atof(line + 4);
+        else if (!strncmp(line, "state ", 6) && states < n)
+            states += !mpfr_set_str(end[states], strtok(line + 6, "\n"), 10, MPFR_RNDN);
     }
-    mpfr_clear(d);
-    return least;
+    const bool good = pclose(f) == 0 && result->runs > 0 && states == n;
+    if (good) {
+        qsort(seconds, (size_t)result->runs, sizeof *seconds, by_size);
+        result->seconds = 0.5 * (seconds[result->runs / 2] + seconds[(result->runs - 1) / 2]);
+        result->right = cns_bench_agreed(p, (const mpfr_t *)end, truth);
+    }
+    for (int i = 0; i < n; i++)
+        mpfr_clear(end[i]);
+    free(end);
+    return good;
 }
 
-static void outcome_clear(const problem *p, outcome *x)
+static bool heyoka(const char *script, const cns_bench_problem *p, const cns_bench_row *row, int runs,
+                   heyoka_result *result)
 {
-    for (int i = 0; i < cns_program_states(p->program); i++)
-        mpfr_clear(x->end[i]);
-    free(x->end);
+    enum { TRIES = 3 };
+    cns_error err;
+    cns_bench_run truth = {0};
+    const double wanted = row->cells[CNS_BENCH_MPFR].right, slack = fmax(1, (double)row->digits / 100);
+    long digits = row->digits;
+    bool good = true;
+    if (cns_bench_reference(p, row->digits, row->until, NULL, &truth, &err))
+        die(err.text);
+    for (int i = 0; i < TRIES && good; i++) {
+        good = heyoka_run(script, p, row, digits, runs, (const mpfr_t *)truth.end, result);
+        if (!good || fabs(result->right - wanted) <= slack)
+            break;
+        digits += lround(wanted - result->right);
+    }
+    cns_bench_run_clear(&truth);
+    return good;
 }
 
-/* Short integrations: a row is a few seconds. */
 static const struct {
     long digits;
-    const char *until[3]; /* per kind; NULL: no such row */
-    int runs;
-} table[] = {{60, {"5", "3", "2"}, 5},
-             {120, {"4", "2", "2"}, 5},
-             {300, {"2", "0.8", "1"}, 3},
-             {1000, {"0.2", NULL, "0.1"}, 1}};
+    double until[CNS_BENCH_SYSTEMS];
+} table[] = {{60, {5, 3, 2}}, {120, {4, 2, 2}}, {300, {1, 0.6, 0.5}}, {1000, {0.2, 0.2, 0.04}}};
 
-static void row(const problem *p, long digits, const char *until, int runs, const bool *have)
+static void one_row(cns_bench_row *row, int runs, const char *script)
 {
-    double seconds[ENGINES][MOST_RUNS], agreed = HUGE_VAL;
-    outcome last[ENGINES];
-    for (int r = 0; r < runs; r++)
-        for (int i = 0; i < ENGINES; i++) {
-            int engine = (r + i) % ENGINES;
-            if (!have[engine])
-                continue;
-            if (r > 0)
-                outcome_clear(p, &last[engine]);
-            run(p, engine, digits, until, &last[engine]);
-            seconds[engine][r] = last[engine].per_time;
-        }
-    printf("%-14s %6ld %5s", model_names[p->kind], digits, until);
-    double plain = median(seconds[PLAIN], runs);
-    printf("  %11.4g", plain);
-    const mpfr_prec_t prec = cns_digits_to_bits(digits) + (mpfr_prec_t)guard_bits;
-    for (int i = PORTABLE; i < ENGINES; i++) {
-        if (!have[i]) {
-            printf("  %11s %6s %5s", "-", "-", "-");
+    cns_error err;
+    const cns_bench_spec spec = {.runs = runs};
+    cns_bench_problem *p = cns_bench_problem_new(row->system, &err);
+    if (!p || cns_bench_fill(&spec, row, 1, &err))
+        die(err.text);
+    const cns_bench_cell *plain = &row->cells[CNS_BENCH_MPFR];
+    const double own = cns_bench_median(plain);
+    double best = own, right = plain->right;
+    printf("%-14s %6ld %5g  %10.4g", cns_bench_system_name(row->system), row->digits, row->until, own);
+    for (int e = CNS_BENCH_PORTABLE; e < CNS_BENCH_ENGINES; e++) {
+        const cns_bench_cell *c = &row->cells[e];
+        if (c->runs == 0) {
+            printf("  %10s %6s %4s", "-", "-", "-");
             continue;
         }
-        double own = median(seconds[i], runs);
-        double rate = products(last[i].order, prec, convolutions[p->kind]) * last[i].steps / own;
-        printf("  %11.4g %5.1fx %4.0f%%", own, plain / own, 100 * rate / peak[i]);
-        agreed = fmin(agreed, agreed_digits(p, &last[i], &last[PLAIN]));
+        const double seconds = cns_bench_median(c);
+        printf("  %10.4g %5.1fx %3.0f%%", seconds, own / seconds,
+               100 * products(p, c->order, row->digits) * c->steps / seconds / peak[e]);
+        best = fmin(best, seconds);
+        right = fmin(right, c->right);
     }
-    printf("  %5.0f\n", agreed);
+    printf("  %6.1f", right);
     fflush(stdout);
-    for (int i = 0; i < ENGINES; i++)
-        if (have[i])
-            outcome_clear(p, &last[i]);
+    heyoka_result h;
+    if (script && heyoka(script, p, row, runs, &h))
+        printf("  %10.4g %5.1fx %4ld %6.1f %4d", h.seconds, h.seconds / best, h.digits, h.right, h.runs);
+    putchar('\n');
+    fflush(stdout);
+    cns_bench_problem_free(p);
 }
 
 int main(int argc, char **argv)
 {
-    bool have[ENGINES] = {true, fx_kernel_choose("portable") != NULL, fx_kernel_choose("avx512ifma") != NULL};
-    long only = argc > 1 ? atol(argv[1]) : 0;
-    peak[PORTABLE] = best_of(wide_rate);
-    printf("processor peaks, limb products per second: %.3g in 128-bit sums", peak[PORTABLE]);
+    int option, runs = CNS_BENCH_RUNS;
+    const char *script = NULL;
+    while ((option = getopt(argc, argv, "r:y:")) != -1) {
+        if (option == 'r')
+            runs = atoi(optarg);
+        else if (option == 'y')
+            script = optarg;
+        else
+            return 2;
+    }
+    if (runs < 1 || runs > CNS_BENCH_RUNS)
+        die("-r takes 1 to 5");
+    const long only = optind < argc ? atol(argv[optind]) : 0;
+    const char *only_model = optind + 1 < argc ? argv[optind + 1] : NULL;
+    peak[CNS_BENCH_PORTABLE] = best_of(wide_rate);
+    printf("processor peaks, limb products per second: %.3g in 128-bit sums", peak[CNS_BENCH_PORTABLE]);
 #ifdef FX_HAVE_IFMA
-    if (have[IFMA]) {
-        peak[IFMA] = best_of(ifma_rate);
-        printf(", %.3g by IFMA", peak[IFMA]);
+    if (cns_bench_has(CNS_BENCH_IFMA)) {
+        peak[CNS_BENCH_IFMA] = best_of(ifma_rate);
+        printf(", %.3g by IFMA", peak[CNS_BENCH_IFMA]);
     }
 #endif
-    printf("\nseconds of processor time per unit of integrated time, one thread; medians of runs in turn.\n"
-           "x: times as fast as the plain engine; %%: limb products per second, of the peak; agreed: digits "
-           "in common with\nthe plain engine at the end\n\n");
-    printf("%-14s %6s %5s  %11s  %11s %6s %5s  %11s %6s %5s  %6s\n", "model", "digits", "until", "mpfr",
-           "portable", "x", "%", "avx512ifma", "x", "%", "agreed");
-    for (int kind = 0; kind < 3; kind++) {
-        if (argc > 2 && strcmp(argv[2], model_names[kind]) != 0)
+    printf(
+        "\nseconds of processor time per unit of integrated time, one thread; medians of %d runs in turn.\n"
+        "x: times as fast as the plain engine; %%: limb products per second, of the peak; right: digits "
+        "right at the end, the least\n",
+        runs);
+    if (script)
+        puts(
+            "heyoka: its real; x: how many times as long as the fastest kernel; asked: its digits, such that "
+            "as many\nare right at the end as with the plain engine (to one, or one in a hundred)");
+    printf("\n%-14s %6s %5s  %10s  %10s %6s %4s  %10s %6s %4s  %6s", "model", "digits", "until", "mpfr",
+           "portable", "x", "%", "avx512ifma", "x", "%", "right");
+    if (script)
+        printf("  %10s %6s %4s %6s %4s", "heyoka", "x", "asked", "right", "runs");
+    putchar('\n');
+    for (int s = 0; s < CNS_BENCH_SYSTEMS; s++) {
+        if (only_model && strcmp(only_model, cns_bench_system_name((cns_bench_system)s)) != 0)
             continue;
-        problem p;
-        problem_init(&p, kind);
-        for (size_t i = 0; i < sizeof table / sizeof *table; i++)
-            if (table[i].until[kind] && (only == 0 || only == table[i].digits))
-                row(&p, table[i].digits, table[i].until[kind], table[i].runs, have);
-        problem_clear(&p);
+        for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+            cns_bench_row row = {
+                .system = (cns_bench_system)s, .digits = table[i].digits, .until = table[i].until[s]};
+            if (only == 0 || only == row.digits)
+                one_row(&row, runs, script);
+        }
     }
     return 0;
 }

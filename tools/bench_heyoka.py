@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""The problems of bench_fast in heyoka's multiprecision reals: processor time per unit of integrated time.
+"""One problem of cns_bench in heyoka's multiprecision reals: processor time per unit of integrated time.
 
 heyoka (https://bluescarni.github.io/heyoka.py) compiles a Taylor integrator for the equations; the time that
-takes is not counted. The order, the tolerance and the step are heyoka's own for so many bits; tolerance
-2^-prec, the same bits as cns works with for so many digits.
+takes is not counted. The order and the step are heyoka's own for a tolerance of 10^-DIGITS in as many bits as
+cns works with for so many digits. Steps are made as there: one before the clock starts, then until UNTIL is
+reached. The disk with |omega| exact is run with omega in its place: up to t = 8 omega is positive.
 
-usage: bench_heyoka.py [DIGITS...]      default 60 300
+usage: bench_heyoka.py MODEL DIGITS UNTIL [RUNS]
+    prints  order N,  run SECONDS  (for each run, fewer when they are long),  state X  (for each state at UNTIL)
 """
 import math
 import sys
@@ -13,9 +15,10 @@ import time
 
 import heyoka as hy
 
-GUARD_BITS = 16  # as cns_digits_to_bits
-STATES = {"lorenz": ("-15.8", "-17.48", "35.64"), "apw, eps 1e-3": ("0", "0", "1.7", "-0.45", "-0.3", "0.6")}
-UNTIL = {"lorenz": {60: 2.0, 300: 1.0}, "apw, eps 1e-3": {60: 3.0, 300: 0.8}}
+GUARD_BITS = 17  # as cns_digits_to_bits
+LONG = 60  # seconds of runs after which no other is begun
+DISK = ("0", "0", "1.7", "-0.45", "-0.3", "0.6")
+LORENZ = ("-15.8", "-17.48", "35.64")
 
 
 def lorenz(real):
@@ -24,8 +27,8 @@ def lorenz(real):
     return [(x, sigma * (y - x)), (y, r * x - y - x * z), (z, x * y - b * z)]
 
 
-def disk(real):
-    """The equations as src/model/apw.c writes them: one root and two quotients, |omega| smoothed."""
+def disk(real, smooth):
+    """The equations as src/model/apw.c writes them: one root and two quotients."""
     x, y, theta, vx, vy, omega = hy.make_vars("x", "y", "theta", "vx", "vy", "omega")
     pi = hy.real("3." + PI[2:], real("1").prec)
     inertia, ct, a, b, mu1, mu2 = (real(t) for t in ("2.2", "1.2", "1.4", "1", "0.2", "0.2"))
@@ -39,7 +42,8 @@ def disk(real):
     gy = (lift - inertia) * omega - turn * r
     f = a / pi * s - b / pi * e
     sin, cos = hy.sin(theta), hy.cos(theta)
-    torque = mu1 * omega + mu2 * hy.sqrt(omega * omega + eps * eps) * omega
+    size = hy.sqrt(omega * omega + eps * eps) if smooth else omega
+    torque = mu1 * omega + mu2 * size * omega
     over = one / (quarter * (inertia + half))
     return [
         (x, vx * cos - vy * sin),
@@ -72,32 +76,53 @@ def pi_text(digits):
 PI = pi_text(1200)
 
 
-def run(name, equations, digits):
-    prec = math.ceil(digits * math.log2(10)) + GUARD_BITS
+MODELS = {
+    "lorenz": (lorenz, LORENZ),
+    "apw": (lambda real: disk(real, False), DISK),
+    "apw, eps 1e-3": (lambda real: disk(real, True), DISK),
+}
+
+
+def main():
+    if len(sys.argv) not in (4, 5):
+        sys.exit(__doc__)
+    model, digits, until = sys.argv[1], int(sys.argv[2]), float(sys.argv[3])
+    runs = int(sys.argv[4]) if len(sys.argv) > 4 else 1
+    equations, start = MODELS[model]
+    prec = math.floor(digits * math.log2(10)) + GUARD_BITS
 
     def real(text):
         return hy.real(text, prec)
 
-    built = time.process_time()
     integrator = hy.taylor_adaptive(
-        equations(real), [real(t) for t in STATES[name]], fp_type=hy.real, prec=prec, tol=hy.real(f"1e-{digits}", prec)
+        equations(real),
+        [real(t) for t in start],
+        fp_type=hy.real,
+        prec=prec,
+        tol=hy.real(f"1e-{digits}", prec),
+        compact_mode=True,
     )
-    built = time.process_time() - built
-    until = UNTIL[name].get(digits, 1.0)
-    integrator.step()
-    since = float(integrator.time)
-    start = time.process_time()
-    integrator.propagate_until(real(str(since + until)))
-    seconds = time.process_time() - start
-    print(f"{name:14s} {digits:6d} {integrator.order:6d} {seconds / until:12.4g}   (compiled in {built:.1f} s)", flush=True)
-
-
-def main():
-    print(f"heyoka {hy.__version__}, real: seconds of processor time per unit of integrated time, one thread")
-    print(f"{'model':14s} {'digits':>6s} {'order':>6s} {'real':>12s}")
-    for name, equations in (("lorenz", lorenz), ("apw, eps 1e-3", disk)):
-        for digits in [int(a) for a in sys.argv[1:]] or [60, 300]:
-            run(name, equations, digits)
+    print("order", integrator.order)
+    end = hy.real(until, prec)
+    total = 0.0
+    for _ in range(runs):
+        integrator.time = hy.real(0, prec)
+        integrator.state[:] = [real(t) for t in start]
+        integrator.step()
+        since = integrator.time
+        begun = time.process_time()
+        stepped = False
+        while integrator.time < end or not stepped:
+            integrator.step()
+            stepped = True
+        seconds = time.process_time() - begun
+        print("run", seconds / float(integrator.time - since), flush=True)
+        total += seconds
+        if total > LONG:
+            break
+    integrator.propagate_until(end)
+    for x in integrator.state:
+        print("state", x)
 
 
 if __name__ == "__main__":

@@ -64,6 +64,10 @@ mpfr_prec_t cns_digits_to_bits(long digits);
  * little more than the three bits that it is made for. */
 int cns_order_for(double tolerance_log2, cns_arithmetic arithmetic);
 
+/* The arithmetic that a Taylor flow of this order really uses: below order 8 the plain one costs less than
+ * the fast one, with every kernel and any number of digits (tools/tune small). */
+cns_arithmetic cns_arithmetic_for(cns_arithmetic asked, int order);
+
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err);
 void cns_flow_free(cns_flow *f);
 

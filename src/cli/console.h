@@ -29,6 +29,9 @@ cns_code cns_page_open(cns_page *p);
 /* Writes and frees. 128 + 13 without a message when the reader has gone (as in `| head`), CNS_IO with one
  * for any other failure. */
 int cns_page_print(cns_page *p);
+/* The same into a file, which is replaced as a whole; a device or pipe is written to. path NULL: standard
+ * output. */
+int cns_page_write(cns_page *p, const char *path);
 
 /* What cns_page_print() answers for errno `cause` of a failed write to standard output. */
 int cns_stdout_failed(int cause);

@@ -20,6 +20,11 @@ static const cns_command commands[] = {
      "With -q nothing is printed: the exit status tells.\n"},
     {"models", cns_cmd_models, "[MODEL]", 0, 1, "list the models: states, parameters, derived quantities",
      NULL},
+    {"bench", cns_cmd_bench, "", 0, 0, "measure the speed of the arithmetics on this machine",
+     "Processor time per unit of integrated time, on built-in problems at 60, 120, 300 and 1000\n"
+     "digits: the plain engine (MPFR) and the fast arithmetic with each kernel that the machine\n"
+     "has. x: times as fast as the plain engine; right: digits right at the end, the least of all.\n"
+     "What would not fit into the time is left out.\n"},
     {"help", cns_cmd_help, "[COMMAND]", 0, 1, "describe a command, or the keys of case files (`help case`)",
      NULL},
 };
@@ -33,6 +38,7 @@ typedef enum option_id {
     O_SET,
     O_PROVE,
     O_THREADS,
+    O_SECONDS,
     O_QUIET,
     O_VERBOSE,
     O_VERSION,
@@ -50,12 +56,13 @@ typedef struct option_row {
 
 /* clang-format off */
 static const option_row options[] = {
-    {O_OUTPUT,  "output",  'o', "FILE", " run ", "write the table to FILE, written aside and renamed"},
-    {O_YAML,    "yaml",     0,  NULL,   " run ", "a summary as YAML; the table only with -o"},
+    {O_OUTPUT,  "output",  'o', "FILE", " run bench ", "write the table to FILE, written aside and renamed"},
+    {O_YAML,    "yaml",     0,  NULL,   " run bench ", "a summary as YAML; the table only with -o"},
     {O_SET,     "set",      0,  "K=V",  " run check ", "override a value: --set numerics.digits=80 (repeatable)"},
     {O_PROVE,   "prove",    0,  NULL,   " run ", "prove a run by hand with a second, finer one"},
     {O_THREADS, "threads",  0,  "N",    " run ", "at most N threads; the results do not depend on it"},
-    {O_QUIET,   "quiet",   'q', NULL,   " run check ", "no progress and no notes; errors only"},
+    {O_SECONDS, "seconds",  0,  "S",    " bench ", "how long to measure, about (default 20)"},
+    {O_QUIET,   "quiet",   'q', NULL,   " run check bench ", "no progress and no notes; errors only"},
     {O_VERBOSE, "verbose", 'v', NULL,   " run ", "say more about what is done"},
     {O_VERSION, "version",  0,  NULL,   NULL,    "print the version and those of the libraries"},
     {O_HELP,    "help",    'h', NULL,   NULL,    "describe the command"},
@@ -150,6 +157,17 @@ static cns_code parse_threads(parser *p, const char *text)
     return CNS_OK;
 }
 
+static cns_code parse_seconds(parser *p, const char *text)
+{
+    char *end;
+    double seconds = text[0] >= '0' && text[0] <= '9' ? strtod(text, &end) : 0;
+    if (!(seconds > 0 && seconds <= CNS_MAX_SECONDS) || *end != '\0')
+        return cns_fail(p->err, CNS_USAGE, "--seconds takes a number above 0 and up to %d, not '%s'",
+                        CNS_MAX_SECONDS, cns_quote(text).text);
+    p->o->seconds = seconds;
+    return CNS_OK;
+}
+
 static cns_code take(parser *p, const option_row *row, const char *value)
 {
     cns_options *o = p->o;
@@ -174,6 +192,8 @@ static cns_code take(parser *p, const option_row *row, const char *value)
         break;
     case O_THREADS:
         return parse_threads(p, value);
+    case O_SECONDS:
+        return parse_seconds(p, value);
     case O_QUIET:
         o->quiet = true;
         break;

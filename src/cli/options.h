@@ -8,6 +8,7 @@
 #include "cns/status.h"
 
 #define CNS_MAX_THREADS 4096
+#define CNS_MAX_SECONDS 1000000
 
 typedef struct cns_options {
     const struct cns_command *command; /* NULL: none given */
@@ -17,8 +18,9 @@ typedef struct cns_options {
     int n_sets;
     const char *output; /* -o; NULL: standard output */
     bool yaml, prove, quiet;
-    int verbose; /* how many -v */
-    int threads; /* 0: as many as there are processors */
+    int verbose;    /* how many -v */
+    int threads;    /* 0: as many as there are processors */
+    double seconds; /* --seconds; 0: not given */
     bool help, version;
     const char **list; /* room for operands and sets */
 } cns_options;

@@ -31,6 +31,14 @@ static void on_progress(void *context, double fraction, const char *what)
     cns_meter_show(&s->meter, fraction, cns_seconds() - s->since, what);
 }
 
+void cns_setup_begin(const cns_options *o, cns_setup *s)
+{
+    *s = (cns_setup){.o = o, .since = cns_seconds()};
+    s->study = (cns_study){.threads = 1, .stop = &stop_signal, .progress = on_progress, .context = s};
+    catch_signals();
+    cns_meter_init(&s->meter, o->quiet);
+}
+
 int cns_setup_open(const cns_options *o, cns_setup *s)
 {
     cns_error err = {0};

@@ -23,6 +23,8 @@ typedef struct cns_setup {
  * the first raises the stop of study and problem, the second ends the program. An exit status; when it is
  * not 0 the message is out and nothing has to be closed. */
 int cns_setup_open(const cns_options *o, cns_setup *s);
+/* The same for a command without a case: signals, meter, and of `study` only stop and progress. */
+void cns_setup_begin(const cns_options *o, cns_setup *s);
 void cns_setup_close(cns_setup *s);
 
 /* The exit status of `code`: its message, unless a signal is the cause, goes to standard error. */

@@ -45,6 +45,12 @@ int cns_order_for(double tolerance_log2, cns_arithmetic arithmetic)
     return (int)(1.5 + order) + 1;
 }
 
+cns_arithmetic cns_arithmetic_for(cns_arithmetic asked, int order)
+{
+    enum { LEAST_FAST_ORDER = 8 };
+    return asked == CNS_ARITH_FAST && order < LEAST_FAST_ORDER ? CNS_ARITH_MPFR : asked;
+}
+
 long cns_schedule_at(const cns_schedule *s, double t)
 {
     double part = t / s->end * s->n;
@@ -93,6 +99,7 @@ cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
         return NULL;
     }
     f->spec = *spec;
+    f->spec.arithmetic = cns_arithmetic_for(spec->arithmetic, spec->order);
     if (spec->arithmetic == CNS_ARITH_DOUBLE)
         f->spec.prec = 53;
     f->n = cns_program_states(spec->program);

@@ -237,7 +237,9 @@ static cns_code emit(walk *w, unsigned long row, cns_places places, long count, 
 {
     const cns_sink *sink = w->p->sink;
     write_texts(w, row, places, count);
-    cns_row out = {.text = w->text, .decimals = as_decimals(w, places, count), .growth = w->coarse ? w->c->growth : w->s.growth};
+    cns_row out = {.text = w->text,
+                   .decimals = as_decimals(w, places, count),
+                   .growth = w->coarse ? w->c->growth : w->s.growth};
     if (w->coarse && (result->rows == 0 || out.decimals < result->decimals))
         result->decimals = out.decimals;
     result->rows++;
@@ -292,8 +294,9 @@ static cns_code describe(cns_run_info *info, long digits, const cns_flow_spec *f
         info->proof_prec = coarse->arithmetic == CNS_ARITH_DOUBLE ? 53 : coarse->prec;
         info->proof_order = coarse->order;
     }
-    info->kernel = fine->arithmetic == CNS_ARITH_DOUBLE ? "double" : "mpfr";
-    return fine->arithmetic == CNS_ARITH_FAST ? cns_fast_kernel_name(&info->kernel, err) : CNS_OK;
+    const cns_arithmetic arithmetic = cns_arithmetic_for(fine->arithmetic, fine->order);
+    info->kernel = arithmetic == CNS_ARITH_DOUBLE ? "double" : "mpfr";
+    return arithmetic == CNS_ARITH_FAST ? cns_fast_kernel_name(&info->kernel, err) : CNS_OK;
 }
 
 /* One attempt at a goal from row *row on (rows before are final). Returns CNS_OK with *shortage > 0 when the

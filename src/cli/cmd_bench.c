@@ -1,0 +1,142 @@
+/* cns bench: how fast the arithmetics are on this machine. */
+#include <math.h>
+
+#include "cns/bench.h"
+#include "cns/summary.h"
+#include "commands.h"
+#include "console.h"
+#include "setup.h"
+
+enum { DEFAULT_SECONDS = 20 };
+
+/* Stretches of time that the plain engine covers in about a second or less, so long as that takes no less
+ * than a step: with 1000 digits one step is several seconds. */
+static const struct {
+    long digits;
+    double until[CNS_BENCH_SYSTEMS];
+} stretches[] = {{60, {2, 2, 1}}, {120, {1, 1, 0.5}}, {300, {0.3, 0.3, 0.15}}, {1000, {0.2, 0.2, 0.04}}};
+
+enum { ROWS = CNS_BENCH_SYSTEMS * sizeof stretches / sizeof *stretches };
+
+static void on_progress(void *context, double fraction, const char *what)
+{
+    cns_setup *s = context;
+    if (s->meter.terminal)
+        s->study.progress(s->study.context, fraction, what);
+}
+
+static bool left_out(const cns_bench_row *row)
+{
+    for (int e = 0; e < CNS_BENCH_ENGINES; e++)
+        if (row->cells[e].runs == 0 && cns_bench_has((cns_bench_engine)e))
+            return true;
+    return false;
+}
+
+static double right_digits(const cns_bench_row *row)
+{
+    double least = HUGE_VAL;
+    for (int e = 0; e < CNS_BENCH_ENGINES; e++)
+        if (row->cells[e].runs > 0)
+            least = fmin(least, row->cells[e].right);
+    return least;
+}
+
+static void print_table(const cns_bench_row *rows, double seconds, FILE *out)
+{
+    int skipped = 0;
+    fputs("seconds of processor time per unit of integrated time, one thread; medians\n", out);
+    fprintf(out, "%-14s %6s", "model", "digits");
+    for (int e = 0; e < CNS_BENCH_ENGINES; e++)
+        fprintf(out, e == CNS_BENCH_MPFR ? "  %10s" : "  %10s %6s",
+                cns_bench_engine_name((cns_bench_engine)e), "x");
+    fprintf(out, "  %5s\n", "right");
+    for (const cns_bench_row *row = rows; row < rows + ROWS; row++) {
+        const cns_bench_cell *plain = &row->cells[CNS_BENCH_MPFR];
+        fprintf(out, "%-14s %6ld", cns_bench_system_name(row->system), row->digits);
+        for (int e = 0; e < CNS_BENCH_ENGINES; e++) {
+            const cns_bench_cell *c = &row->cells[e];
+            if (c->runs > 0)
+                fprintf(out, "  %10.4g", cns_bench_median(c));
+            else
+                fprintf(out, "  %10s", "-");
+            if (e != CNS_BENCH_MPFR && c->runs > 0 && plain->runs > 0)
+                fprintf(out, " %6.1f", cns_bench_median(plain) / cns_bench_median(c));
+            else if (e != CNS_BENCH_MPFR)
+                fprintf(out, " %6s", "-");
+        }
+        if (isfinite(right_digits(row)))
+            fprintf(out, "  %5.0f\n", floor(right_digits(row)));
+        else
+            fprintf(out, "  %5s\n", "-");
+        skipped += left_out(row);
+    }
+    if (skipped > 0)
+        fprintf(out, "-: left out, %g s are too short for it (--seconds S: more)\n", seconds);
+}
+
+static bool print_yaml(const cns_bench_row *rows, FILE *out)
+{
+    cns_summary *s = cns_summary_open(out);
+    cns_summary_open_list(s, "rows");
+    for (const cns_bench_row *row = rows; row < rows + ROWS; row++) {
+        cns_summary_open_mapping(s, NULL);
+        cns_summary_text(s, "model", cns_bench_system_name(row->system));
+        cns_summary_long(s, "digits", row->digits);
+        cns_summary_number(s, "until", row->until, 6);
+        cns_summary_open_mapping(s, "engines");
+        for (int e = 0; e < CNS_BENCH_ENGINES; e++) {
+            const cns_bench_cell *c = &row->cells[e];
+            if (c->runs == 0)
+                continue;
+            cns_summary_open_mapping(s, cns_bench_engine_name((cns_bench_engine)e));
+            cns_summary_number(s, "seconds_per_unit", cns_bench_median(c), 4);
+            cns_summary_number(s, "steps_per_unit", c->steps, 4);
+            cns_summary_long(s, "order", c->order);
+            cns_summary_long(s, "runs", c->runs);
+            cns_summary_number(s, "digits_right", c->right, 4);
+            cns_summary_shut(s);
+        }
+        cns_summary_shut(s);
+        cns_summary_shut(s);
+    }
+    cns_summary_shut(s);
+    return cns_summary_close(s) != 0;
+}
+
+int cns_cmd_bench(const cns_options *o)
+{
+    cns_bench_row rows[ROWS] = {{0}};
+    cns_error err;
+    cns_setup s;
+    cns_page page;
+    cns_setup_begin(o, &s);
+    for (int i = 0; i < (int)ROWS; i++) { /* few digits first: what there is no time for comes last */
+        rows[i].system = (cns_bench_system)(i % CNS_BENCH_SYSTEMS);
+        rows[i].digits = stretches[i / CNS_BENCH_SYSTEMS].digits;
+        rows[i].until = stretches[i / CNS_BENCH_SYSTEMS].until[rows[i].system];
+    }
+    cns_bench_spec spec = {.seconds = o->seconds > 0 ? o->seconds : DEFAULT_SECONDS,
+                           .runs = CNS_BENCH_RUNS,
+                           .stop = s.study.stop,
+                           .progress = on_progress,
+                           .context = &s};
+    cns_code code = cns_bench_fill(&spec, rows, ROWS, &err);
+    int status = cns_setup_status(&s, code, &err);
+    cns_setup_close(&s);
+    if (status == 0)
+        status = (int)cns_page_open(&page);
+    if (status != 0)
+        return status;
+    bool written = true;
+    if (!o->yaml || o->output)
+        print_table(rows, spec.seconds, page.file);
+    else
+        written = print_yaml(rows, page.file);
+    status = cns_page_write(&page, o->output);
+    if (status == 0 && o->yaml && o->output && (status = (int)cns_page_open(&page)) == 0) {
+        written = print_yaml(rows, page.file);
+        status = cns_page_print(&page);
+    }
+    return status ? status : written ? 0 : cns_complain(CNS_IO, "cannot write the summary");
+}

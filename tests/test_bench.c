@@ -1,0 +1,127 @@
+/* Measuring speed: what is measured must be what is said; how fast it is, no test can tell. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cns/bench.h"
+#include "cns/integrate.h"
+#include "support.h"
+
+static cns_bench_problem *problem(cns_bench_system system)
+{
+    cns_error err;
+    cns_bench_problem *p = cns_bench_problem_new(system, &err);
+    ck_assert_msg(p != NULL, "%s", err.text);
+    return p;
+}
+
+START_TEST(medians)
+{
+    cns_bench_cell c = {.runs = 3, .seconds = {5, 1, 2}};
+    ck_assert_double_eq(cns_bench_median(&c), 2);
+    c = (cns_bench_cell){.runs = 4, .seconds = {5, 1, 2, 100}};
+    ck_assert_double_eq(cns_bench_median(&c), 3.5);
+    c = (cns_bench_cell){.runs = 1, .seconds = {7}};
+    ck_assert_double_eq(cns_bench_median(&c), 7);
+}
+END_TEST
+
+/* A planted difference is told to a tenth of a digit, in dynamic states only. */
+START_TEST(agreement)
+{
+    cns_bench_problem *p = problem(CNS_BENCH_APW);
+    const int n = cns_bench_states(p);
+    mpfr_t x[8], y[8];
+    for (int i = 0; i < n; i++) {
+        mpfr_init2(x[i], 200);
+        mpfr_init2(y[i], 200);
+        mpfr_set_d(x[i], 0.3 * i - 1, MPFR_RNDN);
+        mpfr_set(y[i], x[i], MPFR_RNDN);
+    }
+    ck_assert_double_eq(cns_bench_agreed(p, (const mpfr_t *)x, (const mpfr_t *)y), HUGE_VAL);
+    mpfr_add_d(y[0], y[0], 1, MPFR_RNDN); /* x: nothing feeds back on it */
+    ck_assert_double_eq(cns_bench_agreed(p, (const mpfr_t *)x, (const mpfr_t *)y), HUGE_VAL);
+    mpfr_add_d(y[n - 1], y[n - 1], 1e-31, MPFR_RNDN);
+    ck_assert_double_eq_tol(cns_bench_agreed(p, (const mpfr_t *)x, (const mpfr_t *)y), 31, 0.1);
+    mpfr_sub_d(y[n - 2], y[n - 2], 1e-12, MPFR_RNDN);
+    ck_assert_double_eq_tol(cns_bench_agreed(p, (const mpfr_t *)x, (const mpfr_t *)y), 12, 0.1);
+    for (int i = 0; i < n; i++) {
+        mpfr_clear(x[i]);
+        mpfr_clear(y[i]);
+    }
+    cns_bench_problem_free(p);
+}
+END_TEST
+
+/* Every engine reaches the accuracy of its digits, kernels the same bits, and the environment is as before.
+ */
+START_TEST(engines)
+{
+    enum { DIGITS = 30 };
+    cns_error err;
+    setenv("CNS_KERNEL", "portable", 1);
+    for (int s = 0; s < CNS_BENCH_SYSTEMS; s++) {
+        cns_bench_problem *p = problem((cns_bench_system)s);
+        cns_bench_run runs[CNS_BENCH_ENGINES] = {{0}}, truth = {0};
+        ck_assert_int_eq(cns_bench_reference(p, DIGITS, 0.7, NULL, &truth, &err), CNS_OK);
+        for (int e = 0; e < CNS_BENCH_ENGINES; e++) {
+            const cns_bench_job job = {.engine = (cns_bench_engine)e, .digits = DIGITS, .until = 0.7};
+            if (!cns_bench_has(job.engine)) {
+                ck_assert_int_eq(cns_bench_measure(p, &job, &runs[e], &err), CNS_USAGE);
+                continue;
+            }
+            ck_assert_int_eq(cns_bench_measure(p, &job, &runs[e], &err), CNS_OK);
+            ck_assert_double_ge(cns_bench_agreed(p, (const mpfr_t *)runs[e].end, (const mpfr_t *)truth.end),
+                                DIGITS - 1);
+            ck_assert_int_eq(
+                runs[e].order,
+                cns_order_for(-DIGITS * log2(10), e == CNS_BENCH_MPFR ? CNS_ARITH_MPFR : CNS_ARITH_FAST));
+            double sum = 0;
+            for (int i = 0; i < runs[e].taken; i++)
+                sum += runs[e].each[i];
+            ck_assert_double_eq_tol(sum / runs[e].covered / runs[e].seconds, 1, 1e-9);
+            ck_assert_double_eq_tol(runs[e].steps * runs[e].covered, runs[e].taken, 1e-9);
+            ck_assert_double_ge(runs[e].covered, 0.3);
+            ck_assert_str_eq(getenv("CNS_KERNEL"), "portable");
+        }
+        const cns_bench_run *a = &runs[CNS_BENCH_PORTABLE], *b = &runs[CNS_BENCH_IFMA];
+        for (int i = 0; i < a->n && b->n; i++)
+            ck_assert(mpfr_equal_p(a->end[i], b->end[i]));
+        for (int e = 0; e < CNS_BENCH_ENGINES; e++)
+            cns_bench_run_clear(&runs[e]);
+        cns_bench_run_clear(&truth);
+        cns_bench_problem_free(p);
+    }
+}
+END_TEST
+
+/* Without time only what is known to be cheap is done; with a stop, nothing. */
+START_TEST(budget)
+{
+    cns_error err;
+    cns_bench_row rows[] = {{.system = CNS_BENCH_LORENZ, .digits = 20, .until = 0.1},
+                            {.system = CNS_BENCH_LORENZ, .digits = 2000, .until = 10}};
+    cns_bench_spec spec = {.seconds = 0.5, .runs = 2};
+    ck_assert_int_eq(cns_bench_fill(&spec, rows, 2, &err), CNS_OK);
+    for (int e = 0; e < CNS_BENCH_ENGINES; e++) {
+        if (cns_bench_has((cns_bench_engine)e))
+            ck_assert_int_ge(rows[0].cells[e].runs, 1);
+        ck_assert_int_eq(rows[1].cells[e].runs, 0);
+    }
+    static volatile sig_atomic_t stop = 1;
+    spec.stop = &stop;
+    ck_assert_int_eq(cns_bench_fill(&spec, rows, 1, &err), CNS_STOPPED);
+}
+END_TEST
+
+Suite *suite_bench(void)
+{
+    Suite *s = suite_create("bench");
+    TCase *tc = tcase_create("bench");
+    tcase_add_test(tc, medians);
+    tcase_add_test(tc, agreement);
+    tcase_add_test(tc, engines);
+    tcase_add_test(tc, budget);
+    suite_add_tcase(s, tc);
+    return s;
+}
