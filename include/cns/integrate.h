@@ -51,6 +51,10 @@ typedef struct cns_flow_spec {
                                      which stand for the most; NULL: none. Outlives the flow */
     long schedule_shift;          /* added to the schedule's digits */
     bool verify;                  /* after each step, compare the derivative with the right-hand side */
+    long round_digits; /* K > 0: a K-digit run. After every step and every landing each state is rounded to
+                          K significant decimals, half to even; prec should hold some ten digits more,
+                          so that nothing else matters. Dense output stays that of the step. Not with
+                          double. 0: none */
     const volatile sig_atomic_t *stop; /* non-zero: give up (may be NULL) */
 } cns_flow_spec;
 

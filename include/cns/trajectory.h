@@ -31,6 +31,11 @@ void cns_trajectory_free(cns_trajectory *t);
 /* Integrates as far as needed and evaluates at `time`; times must not decrease. */
 cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, cns_error *err);
 
+/* The same in its parts, to look between the ends of steps: one step and its growth; the states and outputs
+ * (not growth and error) at a time within the last step, any number of times in any order. */
+cns_code cns_trajectory_step(cns_trajectory *t, cns_error *err);
+void cns_trajectory_peek(cns_trajectory *t, const mpq_t time, cns_sample *s);
+
 cns_flow *cns_trajectory_flow(cns_trajectory *t);
 cns_growth *cns_trajectory_growth(cns_trajectory *t);
 bool cns_trajectory_late(const cns_trajectory *t); /* was the deadline the reason? */

@@ -5,6 +5,8 @@
 #include "options.h"
 
 int cns_cmd_run(const cns_options *o);
+int cns_cmd_tc(const cns_options *o);
+int cns_cmd_compare(const cns_options *o);
 int cns_cmd_check(const cns_options *o);
 int cns_cmd_models(const cns_options *o);
 int cns_cmd_help(const cns_options *o);

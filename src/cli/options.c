@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cns/predictable.h"
 #include "commands.h"
 #include "core/memory.h"
 #include "core/text.h"
@@ -14,6 +15,18 @@ static const cns_command commands[] = {
      "With `goal` the program finds digits, order and steps by itself and proves every decimal\n"
      "it prints with a second, finer run. With `numerics` it computes as told; --prove adds the\n"
      "second run.\n"},
+    {"tc", cns_cmd_tc, "CASE", 1, 1, "critical predictable time of a run by numerics",
+     "How long the run that `numerics` describes can be trusted: the first row at which it differs\n"
+     "from a finer run by more than delta, refined inside the interval before that row. For an\n"
+     "observable u that is |1 - u1/u2| > delta; for `norm`, the distance of the states that feed\n"
+     "back, each divided by its typical size, > delta. With `digits: K` every state is rounded to K\n"
+     "significant decimals after every step. The finer run is a Taylor run with more digits, chosen\n"
+     "so that its own error stays far below delta.\n"},
+    {"compare", cns_cmd_compare, "A B", 2, 2, "compare two tables: agreed decimals, first difference, T_c",
+     "A and B are tables of `cns run`, or any columns of numbers with a header, separated by commas,\n"
+     "semicolons, tabs or blanks. Columns are matched by name and rows by time, exactly; nothing is\n"
+     "interpolated. Printed are the decimals to which both agree in every common row, the first\n"
+     "difference, and T_c with B as the reference; -v adds a column for each quantity.\n"},
     {"check", cns_cmd_check, "CASE", 1, 1, "check a case file and print it with all defaults filled in",
      "All faults are reported, one per line, with line and column. What is printed is a case\n"
      "file again (sections of studies left out), with the overrides of --set applied.\n"
@@ -32,6 +45,8 @@ typedef enum option_id {
     O_YAML,
     O_SET,
     O_PROVE,
+    O_DELTA,
+    O_REFERENCE_DIGITS,
     O_THREADS,
     O_QUIET,
     O_VERBOSE,
@@ -51,12 +66,14 @@ typedef struct option_row {
 /* clang-format off */
 static const option_row options[] = {
     {O_OUTPUT,  "output",  'o', "FILE", " run ", "write the table to FILE, written aside and renamed"},
-    {O_YAML,    "yaml",     0,  NULL,   " run ", "a summary as YAML; the table only with -o"},
-    {O_SET,     "set",      0,  "K=V",  " run check ", "override a value: --set numerics.digits=80 (repeatable)"},
+    {O_YAML,    "yaml",     0,  NULL,   " run tc compare ", "a summary as YAML; the table only with -o"},
+    {O_SET,     "set",      0,  "K=V",  " run tc check ", "override a value: --set numerics.digits=80 (repeatable)"},
     {O_PROVE,   "prove",    0,  NULL,   " run ", "prove a run by hand with a second, finer one"},
-    {O_THREADS, "threads",  0,  "N",    " run ", "at most N threads; the results do not depend on it"},
-    {O_QUIET,   "quiet",   'q', NULL,   " run check ", "no progress and no notes; errors only"},
-    {O_VERBOSE, "verbose", 'v', NULL,   " run ", "say more about what is done"},
+    {O_DELTA,   "delta",    0,  "X",    " tc compare ", "the difference that ends predictability (default 0.01)"},
+    {O_REFERENCE_DIGITS, "reference-digits", 0, "N", " tc ", "digits of the finer run (default: what it takes)"},
+    {O_THREADS, "threads",  0,  "N",    " run tc ", "at most N threads; the results do not depend on it"},
+    {O_QUIET,   "quiet",   'q', NULL,   " run tc compare check ", "no progress and no notes; errors only"},
+    {O_VERBOSE, "verbose", 'v', NULL,   " run tc compare ", "say more about what is done"},
     {O_VERSION, "version",  0,  NULL,   NULL,    "print the version and those of the libraries"},
     {O_HELP,    "help",    'h', NULL,   NULL,    "describe the command"},
 };
@@ -150,6 +167,17 @@ static cns_code parse_threads(parser *p, const char *text)
     return CNS_OK;
 }
 
+static cns_code parse_reference_digits(parser *p, const char *text)
+{
+    char *end;
+    long n = text[0] >= '0' && text[0] <= '9' ? strtol(text, &end, 10) : 0;
+    if (n < 10 || n > CNS_TC_MAX_DIGITS || *end != '\0')
+        return cns_fail(p->err, CNS_USAGE, "--reference-digits takes an integer from 10 to %d, not '%s'",
+                        CNS_TC_MAX_DIGITS, cns_quote(text).text);
+    p->o->reference_digits = n;
+    return CNS_OK;
+}
+
 static cns_code take(parser *p, const option_row *row, const char *value)
 {
     cns_options *o = p->o;
@@ -172,6 +200,11 @@ static cns_code take(parser *p, const option_row *row, const char *value)
     case O_PROVE:
         o->prove = true;
         break;
+    case O_DELTA:
+        o->delta = value;
+        break;
+    case O_REFERENCE_DIGITS:
+        return parse_reference_digits(p, value);
     case O_THREADS:
         return parse_threads(p, value);
     case O_QUIET:

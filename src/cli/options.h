@@ -17,8 +17,10 @@ typedef struct cns_options {
     int n_sets;
     const char *output; /* -o; NULL: standard output */
     bool yaml, prove, quiet;
-    int verbose; /* how many -v */
-    int threads; /* 0: as many as there are processors */
+    int verbose;           /* how many -v */
+    int threads;           /* 0: as many as there are processors */
+    const char *delta;     /* --delta; NULL: not given */
+    long reference_digits; /* 0: not given */
     bool help, version;
     const char **list; /* room for operands and sets */
 } cns_options;

@@ -5,6 +5,7 @@
 #include "cns/integrate.h"
 #include "method.h"
 #include "num/logs.h"
+#include "num/round.h"
 
 struct cns_flow {
     cns_flow_spec spec;
@@ -76,6 +77,10 @@ cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
 {
     if (spec->method == CNS_METHOD_RK4 && !spec->step) {
         cns_fail(err, CNS_USAGE, "the Runge-Kutta method needs a fixed step");
+        return NULL;
+    }
+    if (spec->round_digits > 0 && spec->arithmetic == CNS_ARITH_DOUBLE) {
+        cns_fail(err, CNS_USAGE, "double cannot keep a number of decimals: take multiple precision");
         return NULL;
     }
     cns_flow *f = calloc(1, sizeof *f);
@@ -190,6 +195,23 @@ static bool runs_away(const cns_flow *f, int i)
            mpfr_get_exp(f->x1[i]) - scale > f->spec.prec / 2;
 }
 
+/* What a run of K digits keeps of the state at the end of a step. The step's noise is then at least what was
+ * cut off. A component that a landing has set to 0 stays 0. */
+static void round_state(cns_flow *f)
+{
+    double largest = f->last.noise_log2;
+    for (int i = 0; i < f->n; i++) {
+        mpfr_set(f->difference, f->x1[i], MPFR_RNDN);
+        cns_round_significant(f->x1[i], f->spec.round_digits);
+        if (!cns_program_is_dynamic(f->spec.program, i))
+            continue;
+        mpfr_sub(f->difference, f->difference, f->x1[i], MPFR_RNDN);
+        mpfr_div_d(f->difference, f->difference, f->spec.scales[i], MPFR_RNDN);
+        largest = fmax(largest, cns_log2_mpfr(f->difference));
+    }
+    f->last.noise_log2 = largest;
+}
+
 cns_code cns_flow_step(cns_flow *f, cns_error *err)
 {
     cns_error inner;
@@ -234,7 +256,10 @@ cns_code cns_flow_step(cns_flow *f, cns_error *err)
             return cns_fail(err, CNS_NUMERIC, "t = %.12g: state %d grows without bound: a pole", t, i);
     f->steps++;
     f->events += f->last.landed;
-    return f->check ? verify(f, err) : CNS_OK;
+    code = f->check ? verify(f, err) : CNS_OK;
+    if (!code && f->spec.round_digits > 0)
+        round_state(f);
+    return code;
 }
 
 int cns_flow_states(const cns_flow *f)
