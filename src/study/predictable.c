@@ -318,8 +318,8 @@ static cns_code go(walk *w, cns_tc_result *r, unsigned long *row, cns_error *err
  * there, as beside an invariant line. In between nothing is said: chaos pauses, too. */
 static bool does_not_grow(const walk *w, const cns_tc_result *r)
 {
-    if (r->compared < cns_number_get_d(w->pair->end) || w->largest[0] == -HUGE_VAL ||
-        w->largest[1] > w->largest[0] + 0.5)
+    if (w->pair->test->no_growth || r->compared < cns_number_get_d(w->pair->end) ||
+        w->largest[0] == -HUGE_VAL || w->largest[1] > w->largest[0] + 0.5)
         return false;
     return w->u1.growth <= 0 || w->largest[1] < w->u1.error_log2 - UNEXCITED_LOG2;
 }
@@ -392,6 +392,8 @@ cns_code cns_tc_compare(const cns_tc_pair *pair, cns_tc_result *result, cns_erro
     const bool outputs = pair->reference->outputs && pair->test->outputs;
     *result = (cns_tc_result){.n = 1 + cns_program_states(p) + (outputs ? cns_program_outputs(p) : 0)};
     result->time = cns_xalloc((size_t)result->n, sizeof *result->time);
+    if (pair->reference->no_growth)
+        return cns_fail(err, CNS_USAGE, "a reference whose growth is not followed cannot be trusted");
     bool *missed = cns_xalloc((size_t)result->n, sizeof *missed);
     unsigned long rows = 0;
     cns_code code = pass(pair, NULL, 0, result, missed, &rows, err);
