@@ -87,6 +87,20 @@ START_TEST(planted_difference)
 }
 END_TEST
 
+/* A difference far below delta at one row and beyond it at the next is still found inside. */
+START_TEST(one_long_interval)
+{
+    const char *const initial[] = {"1", "0"}, *const planted[] = {"1.00000000000001", "0"};
+    setting s;
+    cns_tc_result r;
+    setting_init(&s, saddle(), initial, planted, "30", "30", "0.01");
+    compare_planted(&s, &r);
+    check_found(&r.time[CNS_TC_NORM], log(1e12), 30);
+    cns_tc_result_clear(&r);
+    setting_clear(&s);
+}
+END_TEST
+
 START_TEST(zero_over_zero_and_x_over_zero)
 {
     const char *const initial[] = {"0", "0"}, *const planted[] = {"1e-20", "0"};
@@ -354,6 +368,7 @@ Suite *suite_predictable(void)
     Suite *s = suite_create("predictable");
     TCase *t = tcase_create("predictable");
     tcase_add_loop_test(t, planted_difference, 0, 5);
+    tcase_add_test(t, one_long_interval);
     tcase_add_test(t, zero_over_zero_and_x_over_zero);
     tcase_add_test(t, observable_near_its_zero);
     tcase_add_loop_test(t, rounding_alone, 0, 4);
