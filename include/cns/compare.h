@@ -43,12 +43,12 @@ typedef struct cns_compare_spec {
 } cns_compare_spec;
 
 typedef struct cns_compare_result {
-    int n;               /* columns compared */
-    char **name;         /* of each */
-    bool *in_norm;       /* is it one of those whose distance is the norm */
-    const char *model;   /* whose dynamic states these are; NULL: all columns are in the norm */
-    char **tc, *norm_tc; /* time of the row; NULL: there is none */
-    char *last;          /* time of the last common row */
+    int n;                   /* columns compared */
+    char **name;             /* of each */
+    bool *in_norm;           /* is it one of those whose distance is the norm */
+    const char *model;       /* whose dynamic states these are; NULL: all columns are in the norm */
+    char **tc, *norm_tc;     /* time of the row; NULL: there is none */
+    char **last, *norm_last; /* the last row in which it could be told; NULL: in none */
     long rows_a, rows_b, common;
     bool differs;
     struct {

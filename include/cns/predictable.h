@@ -19,7 +19,7 @@
 typedef enum cns_tc_kind {
     CNS_TC_FOUND,
     CNS_TC_BEYOND,    /* not up to the time given */
-    CNS_TC_STILL,     /* nor does the difference grow: it was not larger in the second half of the time */
+    CNS_TC_STILL,     /* nor does the difference grow, as on an invariant line or near a stable state */
     CNS_TC_IDENTICAL, /* the two runs have the same value in every row */
 } cns_tc_kind;
 

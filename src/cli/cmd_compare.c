@@ -90,7 +90,7 @@ static void yaml_time(cns_summary *s, const char *key, const char *tc, const cha
         return;
     }
     cns_summary_open_mapping(s, key);
-    cns_summary_text(s, "beyond", last);
+    cns_summary_text(s, "beyond", last ? last : "null");
     cns_summary_shut(s);
 }
 
@@ -109,9 +109,9 @@ static void print_yaml(cns_summary *s, const cns_compare_result *r, const char *
     }
     cns_summary_text(s, "delta", delta);
     cns_summary_open_mapping(s, "times");
-    yaml_time(s, "norm", r->norm_tc, r->last);
+    yaml_time(s, "norm", r->norm_tc, r->norm_last);
     for (int k = 0; k < r->n; k++)
-        yaml_time(s, r->name[k], r->tc[k], r->last);
+        yaml_time(s, r->name[k], r->tc[k], r->last[k]);
     cns_summary_shut(s);
     if (!cns_page_open(&norm)) {
         norm_text(r, norm.file);
@@ -128,7 +128,10 @@ static void print_yaml(cns_summary *s, const cns_compare_result *r, const char *
 
 static void print_time(FILE *out, const char *name, const char *tc, const char *last)
 {
-    fprintf(out, "# T_c of %s: %s%s\n", name, tc ? "" : "> ", tc ? tc : last);
+    fprintf(out, "# T_c of %s: %s%s\n", name, tc || !last ? "" : "> ",
+            tc     ? tc
+            : last ? last
+                   : "no value in common");
 }
 
 static void print_lines(FILE *out, const cns_compare_result *r, const char *delta)
@@ -142,9 +145,9 @@ static void print_lines(FILE *out, const cns_compare_result *r, const char *delt
     fprintf(out, "# T_c: first common row beyond delta = %s; norm of ", delta);
     norm_text(r, out);
     fputc('\n', out);
-    print_time(out, "norm", r->norm_tc, r->last);
+    print_time(out, "norm", r->norm_tc, r->norm_last);
     for (int k = 0; k < r->n; k++)
-        print_time(out, r->name[k], r->tc[k], r->last);
+        print_time(out, r->name[k], r->tc[k], r->last[k]);
 }
 
 static void page_drop(cns_page *p)

@@ -133,10 +133,8 @@ static int print(const tc_context *tc)
 
 static int refuse(const cns_case *c)
 {
-    fprintf(stderr,
-            "%s:1:1: %s: `cns tc` needs 'numerics', the run whose predictable time is asked for; to set one "
-            "here, --set takes numerics.digits=16\n",
-            c->name, c->has_goal ? "a 'goal' has no predictable time, it is proven" : "no 'numerics'");
+    fprintf(stderr, "%s:1:1: %s: `cns tc` needs 'numerics', such as {digits: 16}\n", c->name,
+            c->has_goal ? "a 'goal' finds its own digits and is proven" : "no 'numerics'");
     return CNS_USAGE;
 }
 

@@ -26,7 +26,7 @@ struct cns_table_reader {
 
 static cns_code wrong(const cns_table_reader *r, int place, const char *what, cns_error *err)
 {
-    return cns_fail(err, CNS_USAGE, "%s:%ld:%d: %s", r->shown, r->number, place, what);
+    return cns_fail(err, CNS_USAGE, "%s:%ld:%d: %s", r->shown, r->number > 0 ? r->number : 1, place, what);
 }
 
 /* The next line without its end; false at the end of the file, or with *code. */

@@ -75,6 +75,7 @@ static cns_code match_columns(comparison *c, cns_error *err)
     r->name = cns_xalloc(room, sizeof *r->name);
     r->in_norm = cns_xalloc(room, sizeof *r->in_norm);
     r->tc = cns_xalloc(room, sizeof *r->tc);
+    r->last = cns_xalloc(room, sizeof *r->last);
     for (int i = 0; i < a->n; i++) {
         const char *name = a->name(a->context, i);
         const int j = is_quantity(c, i) ? find_column(b, name) : -1;
@@ -196,6 +197,12 @@ static void note_difference(comparison *c, int k, const char *t, const char *a, 
     r->first.b = cns_xcopy(b);
 }
 
+static void set_text(char **to, const char *text)
+{
+    free(*to);
+    *to = cns_xcopy(text);
+}
+
 static long decimals_of(const cns_plain *x)
 {
     return -x->exponent;
@@ -226,6 +233,7 @@ static cns_code compare_row(comparison *c, cns_error *err)
         c->each[k] = shorter;
         if (shorter > given)
             given = shorter;
+        set_text(&r->last[k], t);
         if (mpz_sgn(c->d) == 0)
             continue;
         const long agreed = cns_plain_decimals(c->d, e);
@@ -240,13 +248,24 @@ static cns_code compare_row(comparison *c, cns_error *err)
         if (r->in_norm[k] && !r->norm_tc)
             add_to_norm(c, e, c->column[k].scale);
     }
-    if (whole && !r->norm_tc && mpfr_cmp(c->norm, c->delta) > 0)
+    if (!r->norm_tc && mpfr_cmp(c->norm, c->delta) > 0) /* of a part, if values are missing, and so of all */
         r->norm_tc = cns_xcopy(t);
-    free(r->last);
-    r->last = cns_xcopy(t);
+    if (whole)
+        set_text(&r->norm_last, t);
     r->common++;
     c->spec->row(c->spec->context, t, least < LONG_MAX ? least : given, c->each);
     return CNS_OK;
+}
+
+/* From a row without a partner to the next: its values are only read, since a table that is broken anywhere
+ * is not to be trusted. */
+static cns_code skip(comparison *c, side *s, cns_error *err)
+{
+    cns_code code = CNS_OK;
+    const char *text;
+    for (int k = 0; k < c->r->n && !code; k++)
+        code = read_value(s, s == &c->a ? c->column[k].a : c->column[k].b, &text, err);
+    return code ? code : advance(s, err);
 }
 
 static cns_code merge(comparison *c, cns_error *err)
@@ -254,20 +273,18 @@ static cns_code merge(comparison *c, cns_error *err)
     cns_code code = advance(&c->a, err);
     if (!code)
         code = advance(&c->b, err);
-    while (!code && c->a.more && c->b.more) {
-        const int order = cns_plain_cmp(&c->a.time, &c->b.time);
-        if (order == 0)
-            code = compare_row(c, err);
-        if (!code && order <= 0)
+    while (!code && (c->a.more || c->b.more)) {
+        const int order = !c->b.more ? -1 : !c->a.more ? 1 : cns_plain_cmp(&c->a.time, &c->b.time);
+        if (order != 0) {
+            code = skip(c, order < 0 ? &c->a : &c->b, err);
+            continue;
+        }
+        code = compare_row(c, err);
+        if (!code)
             code = advance(&c->a, err);
-        if (!code && order >= 0)
+        if (!code)
             code = advance(&c->b, err);
     }
-    /* What follows is read all the same: a table that is broken further on is not to be trusted. */
-    while (!code && c->a.more)
-        code = advance(&c->a, err);
-    while (!code && c->b.more)
-        code = advance(&c->b, err);
     return code;
 }
 
@@ -307,12 +324,14 @@ void cns_compare_result_clear(cns_compare_result *r)
     for (int k = 0; k < r->n; k++) {
         free(r->name[k]);
         free(r->tc[k]);
+        free(r->last[k]);
     }
     free(r->name);
     free(r->tc);
     free(r->in_norm);
     free(r->norm_tc);
     free(r->last);
+    free(r->norm_last);
     free(r->first.t);
     free(r->first.a);
     free(r->first.b);

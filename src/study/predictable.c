@@ -12,6 +12,7 @@ enum {
     GATE_LOG2 = 30,        /* intervals are looked into once a difference is within this of delta */
     PIECES = 16,           /* parts of an interval that no step may leap over */
     RESOLUTION_LOG2 = 24,  /* of T_c, in intervals */
+    UNEXCITED_LOG2 = 8,    /* a difference so far below what noise would have grown to has not grown */
     WORKING_DIGITS = 12,   /* of a K-digit run, beyond K */
     REFERENCE_DIGITS = 22, /* of the reference, beyond those of the run: a limb and a safe distance */
     DOUBLE_DIGITS = 16,
@@ -39,7 +40,7 @@ typedef struct walk {
     bool *next;         /* scratch */
     double *since;      /* the beginning of the stretch on which it holds; NAN: unknown */
     bool *missed;       /* found at a row whose interval was not looked into */
-    double still[2];    /* log2 of the largest distance in either half of the time */
+    double largest[2];  /* log2 of the largest distance in either half of the time */
     const bool *forced; /* rows to look before; NULL: none */
     unsigned long n_forced;
 } walk;
@@ -69,7 +70,7 @@ static cns_code walk_init(walk *w, const cns_tc_pair *pair, int n, cns_error *er
                 .n = n,
                 .resolution = ldexp(fmin(1, every), -RESOLUTION_LOG2),
                 .spacing = every / PIECES,
-                .still = {-HUGE_VAL, -HUGE_VAL}};
+                .largest = {-HUGE_VAL, -HUGE_VAL}};
     const size_t room = (size_t)n;
     mpq_inits(w->from, w->to, w->now, w->at, (mpq_ptr)0);
     mpfr_inits2(PREC, w->delta, w->gate, w->d, w->limit, (mpfr_ptr)0);
@@ -235,7 +236,7 @@ static void note_row(walk *w, cns_tc_result *r)
         const bool holds = exceeds(w, i, w->delta);
         w->differs[i] = w->differs[i] || holds || !mpfr_zero_p(w->d);
         if (i == CNS_TC_NORM)
-            w->still[t > half] = fmax(w->still[t > half], cns_log2_mpfr(w->d));
+            w->largest[t > half] = fmax(w->largest[t > half], cns_log2_mpfr(w->d));
         if (holds && !w->found[i]) {
             w->found[i] = true;
             w->missed[i] = isnan(w->since[i]) && mpq_sgn(w->to) > 0;
@@ -312,11 +313,21 @@ static cns_code go(walk *w, cns_tc_result *r, unsigned long *row, cns_error *err
     return CNS_OK;
 }
 
+/* Is there a difference that does not grow? Not larger in the second half of the time, and either the
+ * tangents say that none would, or they say that noise of all directions would have grown far beyond what is
+ * there, as beside an invariant line. In between nothing is said: chaos pauses, too. */
+static bool does_not_grow(const walk *w, const cns_tc_result *r)
+{
+    if (w->pair->test->no_growth || r->compared < cns_number_get_d(w->pair->end) ||
+        w->largest[0] == -HUGE_VAL || w->largest[1] > w->largest[0] + 0.5)
+        return false;
+    return w->u1.growth <= 0 || w->largest[1] < w->u1.error_log2 - UNEXCITED_LOG2;
+}
+
 /* What is said of the observables without a T_c. */
 static void conclude(const walk *w, cns_tc_result *r)
 {
-    const bool to_end = r->compared >= cns_number_get_d(w->pair->end);
-    const bool still = to_end && w->still[0] > -HUGE_VAL && w->still[1] <= w->still[0] + 0.5;
+    const bool still = does_not_grow(w, r);
     for (int i = 0; i < w->n; i++) {
         const bool dynamic =
             i == CNS_TC_NORM || (i <= w->u1.n_states && cns_program_is_dynamic(w->program, i - 1));
@@ -381,6 +392,8 @@ cns_code cns_tc_compare(const cns_tc_pair *pair, cns_tc_result *result, cns_erro
     const bool outputs = pair->reference->outputs && pair->test->outputs;
     *result = (cns_tc_result){.n = 1 + cns_program_states(p) + (outputs ? cns_program_outputs(p) : 0)};
     result->time = cns_xalloc((size_t)result->n, sizeof *result->time);
+    if (pair->reference->no_growth)
+        return cns_fail(err, CNS_USAGE, "a reference whose growth is not followed cannot be trusted");
     bool *missed = cns_xalloc((size_t)result->n, sizeof *missed);
     unsigned long rows = 0;
     cns_code code = pass(pair, NULL, 0, result, missed, &rows, err);
