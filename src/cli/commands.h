@@ -5,6 +5,7 @@
 #include "options.h"
 
 int cns_cmd_run(const cns_options *o);
+int cns_cmd_laws(const cns_options *o);
 int cns_cmd_tc(const cns_options *o);
 int cns_cmd_compare(const cns_options *o);
 int cns_cmd_check(const cns_options *o);

@@ -22,6 +22,12 @@ static const cns_command commands[] = {
      "back, each divided by its typical size, > delta. With `digits: K` every state is rounded to K\n"
      "significant decimals after every step. The finer run is a Taylor run with more digits, chosen\n"
      "so that its own error stays far below delta.\n"},
+    {"laws", cns_cmd_laws, "CASE", 1, 1, "T_c against digits, step and smoothing: runs, fits, errors",
+     "Runs of K digits, of fixed steps and of smoothed absolute values, as `laws` in the case says, all\n"
+     "against one finer reference, and straight lines through their critical predictable times. Errors\n"
+     "of slopes allow for the fluctuation of growth, which all runs share. Runs stop by themselves;\n"
+     "`time: end` is only where to give up, `time: every` the rows. With -o DIR every run is kept, and\n"
+     "the same command does what is missing.\n"},
     {"compare", cns_cmd_compare, "A B", 2, 2, "compare two tables: agreed decimals, first difference, T_c",
      "A and B are tables of `cns run`, or any columns of numbers with a header, separated by commas,\n"
      "semicolons, tabs or blanks. Columns are matched by name and rows by time, exactly; nothing is\n"
@@ -65,15 +71,15 @@ typedef struct option_row {
 
 /* clang-format off */
 static const option_row options[] = {
-    {O_OUTPUT,  "output",  'o', "FILE", " run ", "write the table to FILE, written aside and renamed"},
-    {O_YAML,    "yaml",     0,  NULL,   " run tc compare ", "a summary as YAML; the table only with -o"},
-    {O_SET,     "set",      0,  "K=V",  " run tc check ", "override a value: --set numerics.digits=80 (repeatable)"},
+    {O_OUTPUT,  "output",  'o', "FILE", " run laws ", "write the table to FILE, aside and renamed; laws: keep every run in this directory"},
+    {O_YAML,    "yaml",     0,  NULL,   " run laws tc compare ", "a summary as YAML; the table only with -o"},
+    {O_SET,     "set",      0,  "K=V",  " run laws tc check ", "override a value: --set numerics.digits=80 (repeatable)"},
     {O_PROVE,   "prove",    0,  NULL,   " run ", "prove a run by hand with a second, finer one"},
     {O_DELTA,   "delta",    0,  "X",    " tc compare ", "the difference that ends predictability (default 0.01)"},
     {O_REFERENCE_DIGITS, "reference-digits", 0, "N", " tc ", "digits of the finer run (default: what it takes)"},
-    {O_THREADS, "threads",  0,  "N",    " run tc ", "at most N threads; the results do not depend on it"},
-    {O_QUIET,   "quiet",   'q', NULL,   " run tc compare check ", "no progress and no notes; errors only"},
-    {O_VERBOSE, "verbose", 'v', NULL,   " run tc compare ", "say more about what is done"},
+    {O_THREADS, "threads",  0,  "N",    " run laws tc ", "at most N threads; the results do not depend on it"},
+    {O_QUIET,   "quiet",   'q', NULL,   " run laws tc compare check ", "no progress and no notes; errors only"},
+    {O_VERBOSE, "verbose", 'v', NULL,   " run laws tc compare ", "say more about what is done"},
     {O_VERSION, "version",  0,  NULL,   NULL,    "print the version and those of the libraries"},
     {O_HELP,    "help",    'h', NULL,   NULL,    "describe the command"},
 };

@@ -27,6 +27,7 @@ enum {
     DIGITS_A_WINDOW = 2, /* of mean growth */
     MOST_WINDOWS = 64,
     LEAST_WINDOWS = 3,
+    LEAST_GROWTH = 1, /* digits, before a T_c says something of growth */
     LINE = 64
 };
 static const double probe_time = 10; /* over which the first step's truncation is measured */
@@ -731,9 +732,10 @@ static void take_point(const laws *l, const job *j, const char *result, cns_law_
     if (result && strncmp(result, "tc ", 3) == 0) {
         p->tc = strtod(result + 3, NULL);
         p->growth = growth_at(l, p->tc);
-        return;
-    }
-    if (!result)
+        if (p->growth >= LEAST_GROWTH)
+            return;
+        snprintf(why, sizeof why, "it parts at t = %.6g by its own error, not by growth", p->tc);
+    } else if (!result)
         snprintf(why, sizeof why, "%s", j->skip);
     else if (strncmp(result, "beyond", 6) == 0)
         snprintf(why, sizeof why, "no T_c up to t = %.12g, where the reference ends",
@@ -819,8 +821,10 @@ cns_code cns_laws(const cns_study *study, const cns_laws_spec *spec, const char 
             code || extension == EXTENSIONS || l.ref.rows > last_row(&l) || !any_beyond(&l, results);
         if (!code && done)
             code = conclude(&l, results, r, err);
-        for (int i = 0; i < l.n_listed; i++)
+        for (int i = 0; i < l.n_listed; i++) {
             free(results[i]);
+            results[i] = NULL;
+        }
         if (done)
             break;
         l.level += LONGER;
