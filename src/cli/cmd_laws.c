@@ -66,7 +66,7 @@ static void print_law(FILE *out, const cns_case *c, const cns_laws_result *r, cn
     const cns_law *digits = &r->law[CNS_LAW_DIGITS];
     if (kind != CNS_LAW_DIGITS && digits->fitted)
         fprintf(out, "    slope over the slope per digit: %.3f%s\n", f->slope / digits->time.slope,
-                kind == CNS_LAW_STEPS ? ", the order" : "");
+                kind == CNS_LAW_STEPS ? ", roughly the order" : "");
     const bool rk4 = kind != CNS_LAW_STEPS || c->laws.steps.method == CNS_METHOD_RK4;
     if (strcmp(c->model->name, "apw") != 0 || paper[kind].slope == 0 || !rk4)
         return;
