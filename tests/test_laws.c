@@ -158,7 +158,7 @@ START_TEST(kept_runs)
     static const char few[] =
         START "time: {end: 500, every: 1/4}\nlaws: {digits: {from: 6, to: 12, by: 2}}\n";
     static const char other[] =
-        START "time: {end: 500, every: 1/4}\nlaws: {delta: 0.1, digits: {from: 6, to: 12, by: 2}}\n";
+        START "time: {end: 500, every: 1/4}\nlaws: {delta: 0.012, digits: {from: 6, to: 12, by: 2}}\n";
     char directory[] = "/tmp/cns-laws-XXXXXX", path[512], lost[512] = "";
     ck_assert_ptr_nonnull(mkdtemp(directory));
     outcome a, b, c, d;
