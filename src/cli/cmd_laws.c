@@ -191,6 +191,10 @@ int cns_cmd_laws(const cns_options *o)
     status = cns_setup_status(&s, cns_laws(&s.study, &s.c->laws, o->output, &r, &err), &err);
     if (!status)
         status = print(&s, &r);
+    for (int k = 0; k < CNS_LAW_KINDS && !status; k++)
+        if (r.law[k].n > 0 && !r.law[k].fitted)
+            status = cns_complain(CNS_UNREACHED, "no line for %s: fewer than three points, or no growth",
+                                  words[k].key);
     if (o->verbose && !status)
         fprintf(stderr, "cns: %.2f s\n", cns_seconds() - s.since);
     cns_laws_result_clear(&r);

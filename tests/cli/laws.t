@@ -74,6 +74,16 @@ $ echo 'laws: {delta: 0.01}' >> a.yaml; cns laws a.yaml && exit || echo $?
 2> re:a\.yaml:1:1: no 'laws'
 2> re:none of 'digits', 'steps' and 'smoothing'
 
+= a law without a line is an exit of its own, and its points are printed
+$ cat > a.yaml; cns laws -q --yaml a.yaml > y || echo $?; grep -c 'tc:' y
+| model: lorenz
+| initial: {x: -15.8, y: -17.48, z: 35.64}
+| time: {end: 500, every: 1/4}
+| laws: {digits: {from: 6, to: 7}}
+> 1
+> 2
+2> cns: no line for digits_law: fewer than three points, or no growth
+
 = a directory that cannot be made
 $ cat > a.yaml; cns laws -q -o no/such a.yaml
 | model: lorenz
