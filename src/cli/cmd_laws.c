@@ -71,10 +71,9 @@ static void print_law(FILE *out, const cns_case *c, const cns_laws_result *r, cn
     if (strcmp(c->model->name, "apw") != 0 || paper[kind].slope == 0 || !rk4)
         return;
     const double off = fabs(f->slope - paper[kind].slope);
-    fprintf(
-        out,
-        "    Xu, Li, Li, Liao for their case 1: %.2f and %.2f; the slopes %s within two standard errors\n",
-        paper[kind].slope, paper[kind].intercept, off <= 2 * f->slope_se ? "agree" : "do not agree");
+    fprintf(out,
+            "    Xu, Li, Li, Liao for their case 1: %.2f and %.2f; their slope lies %s these 95 %% limits\n",
+            paper[kind].slope, paper[kind].intercept, off <= f->slope_95 ? "within" : "outside");
 }
 
 static void print_report(FILE *out, const cns_case *c, const cns_laws_result *r)
