@@ -70,6 +70,10 @@ void cns_flow_free(cns_flow *f);
 /* To t = 0 with these states, converted at the flow's precision. */
 void cns_flow_start(cns_flow *f, const cns_number *initial);
 
+/* Multiplies the states first .. first + count - 1 at t1 by 2^exponent, which is exact: for tangents, whose
+ * equations are linear. The next step begins with them; the last step still evaluates to what it was. */
+void cns_flow_rescale(cns_flow *f, int first, int count, long exponent);
+
 /* One step. CNS_NUMERIC: singularity, underflow, a number that is not finite, or (verify) a derivative
  * that is not the right-hand side; the message says where. CNS_STOPPED: spec.stop was raised. */
 cns_code cns_flow_step(cns_flow *f, cns_error *err);

@@ -147,6 +147,12 @@ void cns_flow_start(cns_flow *f, const cns_number *initial)
     f->ops->start(f->stepper);
 }
 
+void cns_flow_rescale(cns_flow *f, int first, int count, long exponent)
+{
+    for (int i = first; i < first + count; i++)
+        mpfr_mul_2si(f->x1[i], f->x1[i], exponent, MPFR_RNDN);
+}
+
 static cns_code mismatch(const cns_flow *f, int i, cns_error *err)
 {
     char difference[64], tolerance[64]; /* in MPFR: doubles do not reach down there */
