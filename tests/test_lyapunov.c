@@ -63,7 +63,7 @@ static const struct {
     {{"-1", "0", "0", "1/2"}, 2, 200, 0.5, 1e-9},                       /* the tangent has to turn */
     {{"0", "1", "0", "0", "0", "1", "6", "-11", "6"}, 3, 200, 3, 1e-9}, /* eigenvalues 1, 2, 3 */
     {{"1/5", "1", "-1", "1/5"}, 2, 200, 0.2, 1e-9},                     /* a spiral */
-    {{"1/5", "4", "-1/4", "1/5"}, 2, 2000, 0.2, 3e-3},                  /* |v| oscillates about e^(t/5) */
+    {{"1/5", "4", "-1/4", "1/5"}, 2, 500, 0.2, 1e-2},                   /* |v| oscillates about e^(t/5) */
     {{"0", "1", "-1", "0"}, 2, 100, 0, 1e-9},
 };
 
@@ -90,10 +90,11 @@ START_TEST(limit_cycle_has_exponent_zero)
     cns_derivative(p, 1, cns_sub(p, cns_mul(p, cns_sub(p, cns_constant(p, "1"), cns_sqr(p, x)), y), x));
     finished(p);
     for (int arithmetic = CNS_ARITH_FAST; arithmetic <= CNS_ARITH_DOUBLE; arithmetic++) {
-        cns_lyapunov_result r = exponent(p, start, 400, (cns_arithmetic)arithmetic);
-        ck_assert_double_le(fabs(r.lambda), 0.01);
+        cns_lyapunov_result r =
+            exponent(p, start, arithmetic == CNS_ARITH_DOUBLE ? 400 : 100, (cns_arithmetic)arithmetic);
+        ck_assert_double_le(fabs(r.lambda), 0.02);
         ck_assert_double_le(fabs(r.lambda), 2 * r.se);
-        ck_assert_double_le(r.se, 0.02);
+        ck_assert_double_le(r.se, 0.05);
     }
     cns_program_free(p);
 }
@@ -106,7 +107,7 @@ static double log_distance(mpfr_t *a, mpfr_t *b, int from, int to)
     mpfr_init2(x, 64);
     for (int i = from; i < to; i++) {
         mpfr_sub(x, a[i], b[i], MPFR_RNDN);
-        mpfr_mul_2ui(x, x, 200, MPFR_RNDN); /* doubles then hold its square */
+        mpfr_mul_2ui(x, x, 100, MPFR_RNDN); /* doubles then hold its square */
         double y = mpfr_get_d(x, MPFR_RNDN);
         sum += y * y;
     }
@@ -114,7 +115,7 @@ static double log_distance(mpfr_t *a, mpfr_t *b, int from, int to)
     return 0.5 * log(sum);
 }
 
-/* The same growth from two neighbouring trajectories in many digits, without any tangents: 2^-200 apart at
+/* The same growth from two neighbouring trajectories in many digits, without any tangents: 2^-100 apart at
  * first, over some zeros of omega. */
 START_TEST(growth_is_that_of_a_small_distance)
 {
@@ -165,7 +166,7 @@ START_TEST(lorenz)
     cns_program *p = model_program("lorenz", NULL);
     cns_lyapunov_result r = exponent(p, start, 1000, CNS_ARITH_DOUBLE);
     ck_assert_double_eq_tol(r.lambda, 0.9056, 3.5 * r.se);
-    ck_assert_double_le(r.se, 0.02);
+    ck_assert_double_le(r.se, 0.05);
     ck_assert_int_eq(r.events, 0);
     cns_program_free(p);
 }
