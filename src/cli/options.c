@@ -14,6 +14,11 @@ static const cns_command commands[] = {
      "With `goal` the program finds digits, order and steps by itself and proves every decimal\n"
      "it prints with a second, finer run. With `numerics` it computes as told; --prove adds the\n"
      "second run.\n"},
+    {"lyapunov", cns_cmd_lyapunov, "CASE", 1, 1, "the largest Lyapunov exponent, with its standard error",
+     "A tangent is carried along a long trajectory and its mean growth is printed as a table of\n"
+     "t, lambda and standard error; --yaml: as a summary. The section `lyapunov` of the case says\n"
+     "how long (time: 20000) and in which arithmetic: double, or mpfr or fast with digits. A tenth\n"
+     "of that time comes before it and is left out. The error falls like 1/sqrt(time).\n"},
     {"check", cns_cmd_check, "CASE", 1, 1, "check a case file and print it with all defaults filled in",
      "All faults are reported, one per line, with line and column. What is printed is a case\n"
      "file again (sections of studies left out), with the overrides of --set applied.\n"
@@ -50,13 +55,13 @@ typedef struct option_row {
 
 /* clang-format off */
 static const option_row options[] = {
-    {O_OUTPUT,  "output",  'o', "FILE", " run ", "write the table to FILE, written aside and renamed"},
-    {O_YAML,    "yaml",     0,  NULL,   " run ", "a summary as YAML; the table only with -o"},
-    {O_SET,     "set",      0,  "K=V",  " run check ", "override a value: --set numerics.digits=80 (repeatable)"},
+    {O_OUTPUT,  "output",  'o', "FILE", " run lyapunov ", "write the table to FILE, written aside and renamed"},
+    {O_YAML,    "yaml",     0,  NULL,   " run lyapunov ", "a summary as YAML; the table only with -o"},
+    {O_SET,     "set",      0,  "K=V",  " run lyapunov check ", "override a value: --set numerics.digits=80 (repeatable)"},
     {O_PROVE,   "prove",    0,  NULL,   " run ", "prove a run by hand with a second, finer one"},
     {O_THREADS, "threads",  0,  "N",    " run ", "at most N threads; the results do not depend on it"},
-    {O_QUIET,   "quiet",   'q', NULL,   " run check ", "no progress and no notes; errors only"},
-    {O_VERBOSE, "verbose", 'v', NULL,   " run ", "say more about what is done"},
+    {O_QUIET,   "quiet",   'q', NULL,   " run lyapunov check ", "no progress and no notes; errors only"},
+    {O_VERBOSE, "verbose", 'v', NULL,   " run lyapunov ", "say more about what is done"},
     {O_VERSION, "version",  0,  NULL,   NULL,    "print the version and those of the libraries"},
     {O_HELP,    "help",    'h', NULL,   NULL,    "describe the command"},
 };

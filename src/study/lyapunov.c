@@ -23,6 +23,7 @@ static const double ln_2 = 0.69314718055994530942;
 typedef struct walk {
     const cns_lyapunov_problem *p;
     int d; /* dynamic states */
+    int order;
     int *index;
     double *scales; /* of the 2 d states of the tangent program */
     cns_number *initial;
@@ -75,6 +76,7 @@ static cns_code walk_open(walk *w, const cns_lyapunov_problem *p, cns_error *err
                           .stop = p->stop};
     for (int i = 0; i < 2 * w->d; i++)
         mpfr_init2(w->x[i], spec.prec);
+    w->order = spec.order;
     w->flow = cns_flow_new(&spec, err);
     if (!w->flow)
         return err->code;
@@ -192,6 +194,7 @@ cns_code cns_lyapunov(const cns_lyapunov_problem *p, cns_lyapunov_result *result
             result->batch[b].length = p->time / batch_counts[b];
             result->batch[b].se = cns_batch_error(rate, BLOCKS, batch_counts[b]);
         }
+        result->order = w.order;
         result->steps = cns_flow_steps(w.flow);
         result->events = cns_flow_events(w.flow);
     }
