@@ -66,6 +66,7 @@ int cns_order_for(double tolerance_log2, cns_arithmetic arithmetic);
 
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err);
 void cns_flow_free(cns_flow *f);
+size_t cns_flow_bytes(const cns_flow *f); /* of memory that it holds: series and vectors */
 
 /* To t = 0 with these states, converted at the flow's precision. */
 void cns_flow_start(cns_flow *f, const cns_number *initial);

@@ -31,6 +31,7 @@ typedef struct cns_jet_spec {
  * told from it, and a zero of u known to 2^-prec could not be approached to a distance of eps. */
 cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err);
 void cns_jet_free(cns_jet *J);
+size_t cns_jet_bytes(const cns_jet *J); /* of memory in its series; NULL: none */
 
 /* Starts an expansion in tau = (t - t0)/H. H is exact; 1 is allowed. */
 void cns_jet_begin(cns_jet *J, double H);

@@ -52,7 +52,8 @@ typedef struct cns_run_info {
     bool planned;       /* by goal: the following are predictions */
     double growth;      /* log10 of the largest growth of noise expected */
     double margin;      /* digits added for its fluctuation */
-    double steps, seconds;
+    double steps, seconds; /* of the printed run; of both, on a machine with nothing else to do */
+    double memory;         /* bytes, the program itself and its libraries with it */
 } cns_run_info;
 
 typedef struct cns_row {

@@ -23,7 +23,7 @@ struct cns_flow {
     mpfr_t tolerance, difference;
 };
 
-enum { GUARD_BITS = 16, TIME_BITS = 128, CHECK_BITS = 96 };
+enum { GUARD_BITS = 16, TIME_BITS = 128, CHECK_BITS = 96, MALLOC_BYTES = 16 };
 
 mpfr_prec_t cns_digits_to_bits(long digits)
 {
@@ -70,6 +70,11 @@ void cns_vector_free(mpfr_t *v, int n)
     for (int i = 0; v && i < n; i++)
         mpfr_clear(v[i]);
     free(v);
+}
+
+size_t cns_vector_bytes(int n, mpfr_prec_t prec)
+{
+    return (size_t)n * (sizeof(mpfr_t) + mpfr_custom_get_size(prec) + MALLOC_BYTES);
 }
 
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
@@ -131,6 +136,11 @@ void cns_flow_free(cns_flow *f)
     mpfr_clears(f->t0, f->t1, f->tau, f->last.h, f->tolerance, f->difference, (mpfr_ptr)0);
     mpq_clears(f->grid, f->step, (mpq_ptr)0);
     free(f);
+}
+
+size_t cns_flow_bytes(const cns_flow *f)
+{
+    return f->ops->bytes(f->stepper) + cns_jet_bytes(f->check) + cns_vector_bytes(3 * f->n, f->spec.prec);
 }
 
 void cns_flow_start(cns_flow *f, const cns_number *initial)

@@ -19,6 +19,7 @@ typedef struct cns_method_ops {
     const char *name;
     cns_stepper *(*create)(const cns_flow_spec *spec, cns_error *err);
     void (*destroy)(cns_stepper *s);
+    size_t (*bytes)(const cns_stepper *s); /* of memory that it holds */
     void (*start)(cns_stepper *s);
     /* From x to y, both of one number per state at the flow's precision. */
     cns_code (*step)(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_error *err);
@@ -37,5 +38,6 @@ const cns_arith_ops *cns_flow_arith(const cns_flow_spec *spec);
 const cns_arith_ops *cns_flow_plain_arith(const cns_flow_spec *spec);
 mpfr_t *cns_vector_new(int n, mpfr_prec_t prec); /* zeros; aborts never, NULL: out of memory */
 void cns_vector_free(mpfr_t *v, int n);
+size_t cns_vector_bytes(int n, mpfr_prec_t prec); /* of memory in such a vector */
 
 #endif

@@ -59,6 +59,11 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
     return s;
 }
 
+static size_t bytes(const cns_stepper *s)
+{
+    return cns_jet_bytes(s->jet) + cns_vector_bytes(4 * s->n, s->spec.prec);
+}
+
 static void start(cns_stepper *s)
 {
     cns_jet_begin(s->jet, 1);
@@ -185,6 +190,7 @@ const cns_method_ops cns_method_rk4 = {
     .name = "rk4",
     .create = create,
     .destroy = destroy,
+    .bytes = bytes,
     .start = start,
     .step = step,
     .eval = eval,

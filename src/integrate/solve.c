@@ -269,10 +269,8 @@ static void finish(walk *w, cns_result *result)
     }
 }
 
-/* The specs of the two runs of a proof, the printed one finer in everything. shift: the digits by which the
- * coarser run exceeds the schedule. */
-static void proof_specs(const cns_problem *p, long digits, const cns_schedule *schedule, long shift,
-                        cns_flow_spec *fine, cns_flow_spec *coarse)
+void cns_proof_specs(const cns_problem *p, long digits, const cns_schedule *schedule, long shift,
+                     cns_flow_spec *fine, cns_flow_spec *coarse)
 {
     *fine = cns_taylor_spec(p, digits);
     *coarse = cns_taylor_spec(p, digits - CNS_PROOF_DIGITS);
@@ -308,7 +306,7 @@ static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_sc
     walk w;
     double since = cns_seconds();
     const long coarse_digits = result->run.digits - CNS_PROOF_DIGITS;
-    proof_specs(p, result->run.digits, schedule, coarse_digits - schedule->digits[0], &fine, &coarse);
+    cns_proof_specs(p, result->run.digits, schedule, coarse_digits - schedule->digits[0], &fine, &coarse);
     *shortage = 0;
     cns_code code = describe(&result->run, result->run.digits, &fine, &coarse, err);
     if (code)

@@ -108,6 +108,12 @@ static void start(cns_stepper *s)
     s->order_asked = s->spec.order;
 }
 
+static size_t bytes(const cns_stepper *s)
+{
+    return cns_jet_bytes(s->plain) + cns_jet_bytes(s->fast) + cns_jet_bytes(s->scout) +
+           cns_vector_bytes((s->n + 1) * (s->spec.order + 1), s->spec.prec);
+}
+
 static mpfr_t *coefficients(cns_stepper *s, int i)
 {
     return s->poly + (size_t)i * ((size_t)s->spec.order + 1);
@@ -494,6 +500,7 @@ const cns_method_ops cns_method_taylor = {
     .name = "taylor",
     .create = create,
     .destroy = destroy,
+    .bytes = bytes,
     .start = start,
     .step = step,
     .eval = eval,

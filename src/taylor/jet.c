@@ -157,6 +157,11 @@ void cns_jet_free(cns_jet *J)
     free(J);
 }
 
+size_t cns_jet_bytes(const cns_jet *J)
+{
+    return J ? J->ops->bytes(J->A) : 0;
+}
+
 void cns_jet_begin(cns_jet *J, double H)
 {
     J->ops->begin(J->A, H);

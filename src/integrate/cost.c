@@ -1,0 +1,175 @@
+#include "cost.h"
+
+#include <math.h>
+#include <time.h>
+
+#include "cns/trajectory.h"
+#include "num/logs.h"
+#include "solve_inside.h"
+
+enum {
+    LEVELS = 3,
+    MOST_STEPS = 40, /* measured at each level */
+    /* The program, its libraries, stacks and the tables of MPFR: measured on Linux. */
+    PROGRAM_BYTES = 6 << 20
+};
+
+static const double measuring_part = 1.0 / 600; /* of the time predicted, for each level of each run */
+
+typedef struct level {
+    double digits, step, row; /* seconds */
+} level;
+
+double cns_thread_seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* log2 of a step's length where the series has radius 1. */
+static double step_log2(const cns_flow_spec *spec)
+{
+    return (spec->tolerance_log2 - 1) / spec->order - spec->safety;
+}
+
+/* Landing on a kink ends a step early: half of one is lost in the mean, whatever the length of the others. */
+static double steps_like(const cns_flow_spec *spec, const cns_flow_spec *scout, const cns_flow *scouted)
+{
+    const double lost = 0.5 * (double)cns_flow_events(scouted);
+    long e;
+    double m = cns_exp2_2exp(step_log2(scout) - step_log2(spec), &e);
+    return ((double)cns_flow_steps(scouted) - lost) * ldexp(m, (int)e) + lost;
+}
+
+/* A step takes the trajectory just beyond the end of its last one, and a second look at the same time
+ * tells the cost of a row. The first step of all is not counted: it has more to do. False if nothing could
+ * be measured. */
+static bool measure(const cns_problem *p, const cns_flow_spec *spec, bool growth, double steps, level *l,
+                    double *memory)
+{
+    cns_trajectory_spec of = {
+        .flow = *spec, .initial = p->initial, .outputs = cns_wants_outputs(p), .no_growth = !growth};
+    cns_error ignored;
+    cns_trajectory *t = cns_trajectory_new(&of, &ignored);
+    cns_sample s = {0};
+    mpq_t time, little;
+    long counted = 0;
+    int turn = 0;
+    double spent = 0, in_steps = 0, in_rows = 0;
+    mpq_inits(time, little, (mpq_ptr)0);
+    mpq_set_ui(little, 1, 1);
+    mpq_div_2exp(little, little, 60);
+    if (t && cns_sample_init(&s, p->program, cns_flow_prec(cns_trajectory_flow(t)))) {
+        cns_flow *f = cns_trajectory_flow(t);
+        bool enough = false;
+        for (; !enough && turn < MOST_STEPS; turn++) {
+            const long before = cns_flow_steps(f);
+            mpfr_get_q(time, cns_flow_end(f));
+            mpq_add(time, time, little);
+            double a = cns_thread_seconds();
+            if (cns_trajectory_at(t, time, &s, &ignored))
+                break;
+            double b = cns_thread_seconds();
+            if (cns_trajectory_at(t, time, &s, &ignored))
+                break;
+            double c = cns_thread_seconds();
+            spent += c - a;
+            if (turn == 0)
+                continue;
+            counted += cns_flow_steps(f) - before;
+            in_steps += fmax(0, (b - a) - (c - b));
+            in_rows += c - b;
+            enough = spent > measuring_part * steps * in_steps / (double)counted;
+        }
+        if (memory)
+            *memory += (double)cns_flow_bytes(f);
+    }
+    if (counted > 0) {
+        l->step = in_steps / (double)counted;
+        l->row = in_rows / (turn > 1 ? turn - 1 : 1);
+    }
+    cns_trajectory_free(t);
+    cns_sample_clear(&s);
+    mpq_clears(time, little, (mpq_ptr)0);
+    return counted > 0;
+}
+
+/* y at x on the line through two points, all in logarithms. */
+static double between(double x, double x0, double y0, double x1, double y1)
+{
+    if (x1 == x0 || !(y0 > 0) || !(y1 > 0))
+        return y1;
+    return y0 * exp(log(y1 / y0) * log(x / x0) / log(x1 / x0));
+}
+
+static void cost_at(const level *l, int levels, double digits, double *step, double *row)
+{
+    int i = 1;
+    while (i < levels - 1 && digits < l[i].digits)
+        i++;
+    if (levels == 1)
+        i = 0;
+    const level *a = &l[i > 0 ? i - 1 : 0], *b = &l[i];
+    *step = between(digits, a->digits, a->step, b->digits, b->step);
+    *row = between(digits, a->digits, a->row, b->digits, b->row);
+}
+
+/* The digits of a run in part i of its schedule. */
+static long digits_in(const cns_flow_spec *spec, int i, long most)
+{
+    long digits = spec->schedule->digits[i] + spec->schedule_shift;
+    return digits < most ? digits : most;
+}
+
+static cns_flow_spec spec_for(const cns_problem *p, const cns_flow_spec *like, long digits)
+{
+    cns_flow_spec spec = cns_taylor_spec(p, digits);
+    spec.safety = like->safety;
+    spec.verify = true;
+    return spec;
+}
+
+static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long digits, bool growth,
+                          const cns_flow_spec *scout, const cns_flow *scouted, double rows, double *steps,
+                          double *memory)
+{
+    const int parts = run->schedule->n;
+    const long last = digits_in(run, parts - 1, digits);
+    const long asked[LEVELS] = {digits, lround(sqrt((double)digits * (double)last)), last};
+    level l[LEVELS];
+    int levels = 0;
+    double seconds = 0;
+    *steps = 0;
+    for (int i = 0; i < parts; i++) {
+        cns_flow_spec spec = spec_for(p, run, digits_in(run, i, digits));
+        *steps += steps_like(&spec, scout, scouted) / parts;
+    }
+    for (int i = 0; i < LEVELS; i++) {
+        if (i > 0 && asked[i] == asked[i - 1])
+            continue;
+        cns_flow_spec spec = spec_for(p, run, asked[i]);
+        l[levels].digits = (double)asked[i];
+        if (measure(p, &spec, growth, *steps, &l[levels], i == 0 ? memory : NULL))
+            levels++;
+    }
+    for (int i = 0; i < parts && levels > 0; i++) {
+        const long here = digits_in(run, i, digits);
+        cns_flow_spec spec = spec_for(p, run, here);
+        double step, row;
+        cost_at(l, levels, (double)here, &step, &row);
+        seconds += (steps_like(&spec, scout, scouted) * step + rows * row) / parts;
+    }
+    return seconds;
+}
+
+void cns_cost_predict(const cns_problem *p, const cns_flow_spec *fine, const cns_flow_spec *coarse,
+                      const cns_flow_spec *scout, const cns_flow *scouted, cns_run_info *plan)
+{
+    const double rows = cns_number_get_d(p->end) / cns_number_get_d(p->every);
+    double ignored, memory = PROGRAM_BYTES;
+    double printed = run_seconds(p, fine, plan->digits, false, scout, scouted, rows, &plan->steps, &memory);
+    double proof = run_seconds(p, coarse, plan->proof_digits, true, scout, scouted, rows, &ignored, &memory);
+    plan->seconds = p->threads > 1 ? fmax(printed, proof) : printed + proof;
+    plan->memory = memory;
+}
