@@ -5,6 +5,7 @@
 #include "options.h"
 
 int cns_cmd_run(const cns_options *o);
+int cns_cmd_plan(const cns_options *o);
 int cns_cmd_lyapunov(const cns_options *o);
 int cns_cmd_check(const cns_options *o);
 int cns_cmd_models(const cns_options *o);

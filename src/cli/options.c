@@ -14,6 +14,11 @@ static const cns_command commands[] = {
      "With `goal` the program finds digits, order and steps by itself and proves every decimal\n"
      "it prints with a second, finer run. With `numerics` it computes as told; --prove adds the\n"
      "second run.\n"},
+    {"plan", cns_cmd_plan, "CASE", 1, 1, "digits, order, steps, memory and time that a goal will need",
+     "The growth of noise is measured along a preliminary run in double precision with tangents,\n"
+     "the speed of this machine on some steps. A run with `goal` makes the same plan first. The\n"
+     "time is that of a machine with nothing else to do. CASE may have `goal`, `numerics` or\n"
+     "neither; what is left out: the case's end and goal, or 10 decimals.\n"},
     {"lyapunov", cns_cmd_lyapunov, "CASE", 1, 1, "the largest Lyapunov exponent, with its standard error",
      "A tangent is carried along a long trajectory and its mean growth is printed as a table of\n"
      "t, lambda and standard error; --yaml: as a summary. The section `lyapunov` of the case says\n"
@@ -37,6 +42,8 @@ typedef enum option_id {
     O_YAML,
     O_SET,
     O_PROVE,
+    O_UNTIL,
+    O_DECIMALS,
     O_THREADS,
     O_QUIET,
     O_VERBOSE,
@@ -56,11 +63,13 @@ typedef struct option_row {
 /* clang-format off */
 static const option_row options[] = {
     {O_OUTPUT,  "output",  'o', "FILE", " run lyapunov ", "write the table to FILE, written aside and renamed"},
-    {O_YAML,    "yaml",     0,  NULL,   " run lyapunov ", "a summary as YAML; the table only with -o"},
-    {O_SET,     "set",      0,  "K=V",  " run lyapunov check ", "override a value: --set numerics.digits=80 (repeatable)"},
+    {O_YAML,    "yaml",     0,  NULL,   " run plan lyapunov ", "a summary as YAML; the table only with -o"},
+    {O_SET,     "set",      0,  "K=V",  " run plan lyapunov check ", "override a value: --set numerics.digits=80 (repeatable)"},
     {O_PROVE,   "prove",    0,  NULL,   " run ", "prove a run by hand with a second, finer one"},
-    {O_THREADS, "threads",  0,  "N",    " run ", "at most N threads; the results do not depend on it"},
-    {O_QUIET,   "quiet",   'q', NULL,   " run lyapunov check ", "no progress and no notes; errors only"},
+    {O_UNTIL,   "until",    0,  "T",    " plan ", "up to this time instead of the case's end"},
+    {O_DECIMALS, "decimals", 0, "D",    " plan ", "so many right decimals instead of the case's goal"},
+    {O_THREADS, "threads",  0,  "N",    " run plan ", "at most N threads; the results do not depend on it"},
+    {O_QUIET,   "quiet",   'q', NULL,   " run plan lyapunov check ", "no progress and no notes; errors only"},
     {O_VERBOSE, "verbose", 'v', NULL,   " run lyapunov ", "say more about what is done"},
     {O_VERSION, "version",  0,  NULL,   NULL,    "print the version and those of the libraries"},
     {O_HELP,    "help",    'h', NULL,   NULL,    "describe the command"},
@@ -144,15 +153,24 @@ typedef struct parser {
     bool seen[N_OPTIONS];
 } parser;
 
-static cns_code parse_threads(parser *p, const char *text)
+/* An integer from 1 to most. */
+static cns_code parse_integer(parser *p, const option_row *row, const char *text, long most, long *value)
 {
     char *end;
     long n = text[0] >= '0' && text[0] <= '9' ? strtol(text, &end, 10) : 0;
-    if (n < 1 || n > CNS_MAX_THREADS || *end != '\0')
-        return cns_fail(p->err, CNS_USAGE, "--threads takes an integer from 1 to %d, not '%s'",
-                        CNS_MAX_THREADS, cns_quote(text).text);
-    p->o->threads = (int)n;
+    if (n < 1 || n > most || *end != '\0')
+        return cns_fail(p->err, CNS_USAGE, "--%s takes an integer from 1 to %ld, not '%s'", row->name, most,
+                        cns_quote(text).text);
+    *value = n;
     return CNS_OK;
+}
+
+static cns_code parse_threads(parser *p, const option_row *row, const char *text)
+{
+    long n = 0;
+    cns_code code = parse_integer(p, row, text, CNS_MAX_THREADS, &n);
+    p->o->threads = (int)n;
+    return code;
 }
 
 static cns_code take(parser *p, const option_row *row, const char *value)
@@ -177,8 +195,13 @@ static cns_code take(parser *p, const option_row *row, const char *value)
     case O_PROVE:
         o->prove = true;
         break;
+    case O_UNTIL:
+        o->until = value;
+        break;
+    case O_DECIMALS:
+        return parse_integer(p, row, value, CNS_MAX_DECIMALS, &o->decimals);
     case O_THREADS:
-        return parse_threads(p, value);
+        return parse_threads(p, row, value);
     case O_QUIET:
         o->quiet = true;
         break;

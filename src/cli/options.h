@@ -7,7 +7,8 @@
 
 #include "cns/status.h"
 
-#define CNS_MAX_THREADS 4096
+#define CNS_MAX_THREADS  4096
+#define CNS_MAX_DECIMALS 10000
 
 typedef struct cns_options {
     const struct cns_command *command; /* NULL: none given */
@@ -16,6 +17,8 @@ typedef struct cns_options {
     const char *const *sets; /* --set, in order */
     int n_sets;
     const char *output; /* -o; NULL: standard output */
+    const char *until;  /* NULL: the case's end */
+    long decimals;      /* 0: the case's goal */
     bool yaml, prove, quiet;
     int verbose; /* how many -v */
     int threads; /* 0: as many as there are processors */

@@ -11,7 +11,7 @@ enum {
     LEVELS = 3,
     MOST_STEPS = 40, /* measured at each level */
     /* The program, its libraries, stacks and the tables of MPFR: measured on Linux. */
-    PROGRAM_BYTES = 6 << 20
+    PROGRAM_BYTES = 4 << 20
 };
 
 static const double measuring_part = 1.0 / 600; /* of the time predicted, for each level of each run */

@@ -157,7 +157,8 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         code = cns_trajectory_at(t, time, &s, &failure);
         if (code)
             break;
-        double now = mpq_get_d(time), g = s.error_log2 > 0 ? s.error_log2 * CNS_LOG10_2 : 0;
+        plan->followed = mpq_get_d(time);
+        double now = plan->followed, g = s.error_log2 > 0 ? s.error_log2 * CNS_LOG10_2 : 0;
         if (now - window_start >= window) {
             double rate = (g - at_start) / (now - window_start);
             sum += rate * (now - window_start);
@@ -178,6 +179,8 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
                                       : cns_fail(err, CNS_STOPPED, "%s", failure.text);
     } else {
         /* A preliminary run that failed tells what it could; the run itself will tell why. */
+        if (code)
+            *err = failure;
         code = CNS_OK;
         need = fmax(need, (double)goal->count);
         double mean = end > 0 ? sum / end : 0;
