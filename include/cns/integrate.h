@@ -87,6 +87,11 @@ const mpfr_t *cns_flow_state(const cns_flow *f); /* at t1 */
 const mpfr_t *cns_flow_begin_state(const cns_flow *f);
 bool cns_flow_landed(const cns_flow *f);       /* did the last step end on a kink? */
 double cns_flow_noise_log2(const cns_flow *f); /* of the last step: rounding or truncation, in scales */
+
+/* log2 of the step that a series of this order would allow where the last step began, at this tolerance,
+ * from the last step's coefficients: an estimate. False if they tell nothing. */
+bool cns_flow_reach(const cns_flow *f, double tolerance_log2, int order, double *h_log2);
+
 long cns_flow_steps(const cns_flow *f);
 long cns_flow_events(const cns_flow *f);
 

@@ -16,6 +16,9 @@
 
 typedef struct cns_jet cns_jet;
 
+/* Is the smoothing of p's abs() that sharp at a precision of prec bits? (See cns_jet_spec.) */
+bool cns_jet_is_sharp(const cns_program *p, mpfr_prec_t prec);
+
 typedef struct cns_jet_spec {
     const cns_program *program; /* finished; must outlive the jet */
     const cns_arith_ops *ops;

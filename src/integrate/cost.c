@@ -3,13 +3,15 @@
 #include <math.h>
 #include <time.h>
 
+#include "cns/jet.h"
 #include "cns/trajectory.h"
 #include "num/logs.h"
 #include "solve_inside.h"
 
 enum {
     LEVELS = 3,
-    MOST_STEPS = 40, /* measured at each level */
+    LEAST_LEVEL = 10, /* digits */
+    MOST_STEPS = 40,  /* measured at each level */
     /* The program, its libraries, stacks and the tables of MPFR: measured on Linux. */
     PROGRAM_BYTES = 4 << 20
 };
@@ -27,19 +29,60 @@ double cns_thread_seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* log2 of a step's length where the series has radius 1. */
-static double step_log2(const cns_flow_spec *spec)
+static double two_to(double x)
 {
-    return (spec->tolerance_log2 - 1) / spec->order - spec->safety;
+    long e;
+    double m = cns_exp2_2exp(x, &e);
+    return ldexp(m, (int)e);
 }
 
-/* Landing on a kink ends a step early: half of one is lost in the mean, whatever the length of the others. */
-static double steps_like(const cns_flow_spec *spec, const cns_flow_spec *scout, const cns_flow *scouted)
+static double level_digits(int i)
 {
-    const double lost = 0.5 * (double)cns_flow_events(scouted);
-    long e;
-    double m = cns_exp2_2exp(step_log2(scout) - step_log2(spec), &e);
-    return ((double)cns_flow_steps(scouted) - lost) * ldexp(m, (int)e) + lost;
+    return ldexp(LEAST_LEVEL, i);
+}
+
+void cns_tally_step(void *tally, const cns_flow *f)
+{
+    cns_tally *y = tally;
+    const double from = mpfr_get_d(cns_flow_begin(f), MPFR_RNDN),
+                 h = mpfr_get_d(cns_flow_end(f), MPFR_RNDN) - from;
+    const int at = from < y->end ? (int)(from / y->end * CNS_PLAN_PARTS) : CNS_PLAN_PARTS - 1;
+    double own, other;
+    bool told = cns_flow_reach(f, y->spec->tolerance_log2, y->spec->order, &own);
+    if (cns_flow_landed(f))
+        y->part[at].landings++;
+    else if (told && h < 0.7 * two_to(own)) {
+        y->part[at].approaches++;
+        return;
+    }
+    for (int i = 0; i < CNS_TALLY_LEVELS; i++) {
+        const double tolerance = -level_digits(i) * CNS_LOG2_10;
+        const int order = cns_order_for(tolerance, CNS_ARITH_FAST);
+        if (!told)
+            y->part[at].steps[i]++;
+        if (!told || !cns_flow_reach(f, tolerance, order, &other))
+            continue;
+        /* The fast arithmetic wants to know the step beforehand: one is no longer than the last might be. */
+        y->part[at].steps[i] += h / two_to((y->begun ? fmin(other, y->before[i]) : other) - 1.0 / order);
+        y->before[i] = other;
+    }
+    y->begun = y->begun || told;
+}
+
+/* Steps in part i of a run with this spec. */
+static double steps_in(const cns_tally *y, int i, const cns_flow_spec *spec, long digits)
+{
+    const cns_program *p = spec->program;
+    const double l = cns_log2_2exp((double)digits / LEAST_LEVEL, 0);
+    const int below = l < 0 ? 0 : l < CNS_TALLY_LEVELS - 1 ? (int)l : CNS_TALLY_LEVELS - 2;
+    const double a = y->part[i].steps[below], b = y->part[i].steps[below + 1];
+    double steps = (a + (b - a) * fmax(0, l - below)) * two_to(spec->safety) + y->part[i].approaches;
+    /* Landing on a kink ends a step early, and the next ones are short: measured, 1.5 are lost. What has been
+     * landed on may be smooth at more digits: steps then halve the distance to the singularities, and double
+     * it again. */
+    if (cns_program_is_smooth(p) && !cns_jet_is_sharp(p, spec->prec))
+        return steps + y->part[i].landings * 2 * fmax(0, -cns_program_smooth_log2(p));
+    return steps + 1.5 * y->part[i].landings;
 }
 
 /* A step takes the trajectory just beyond the end of its last one, and a second look at the same time
@@ -131,8 +174,7 @@ static cns_flow_spec spec_for(const cns_problem *p, const cns_flow_spec *like, l
 }
 
 static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long digits, bool growth,
-                          const cns_flow_spec *scout, const cns_flow *scouted, double rows, double *steps,
-                          double *memory)
+                          const cns_tally *tally, double rows, double *steps, double *memory)
 {
     const int parts = run->schedule->n;
     const long last = digits_in(run, parts - 1, digits);
@@ -142,8 +184,9 @@ static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long d
     double seconds = 0;
     *steps = 0;
     for (int i = 0; i < parts; i++) {
-        cns_flow_spec spec = spec_for(p, run, digits_in(run, i, digits));
-        *steps += steps_like(&spec, scout, scouted) / parts;
+        const long here = digits_in(run, i, digits);
+        cns_flow_spec spec = spec_for(p, run, here);
+        *steps += steps_in(tally, i, &spec, here);
     }
     for (int i = 0; i < LEVELS; i++) {
         if (i > 0 && asked[i] == asked[i - 1])
@@ -158,18 +201,18 @@ static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long d
         cns_flow_spec spec = spec_for(p, run, here);
         double step, row;
         cost_at(l, levels, (double)here, &step, &row);
-        seconds += (steps_like(&spec, scout, scouted) * step + rows * row) / parts;
+        seconds += steps_in(tally, i, &spec, here) * step + rows / parts * row;
     }
     return seconds;
 }
 
 void cns_cost_predict(const cns_problem *p, const cns_flow_spec *fine, const cns_flow_spec *coarse,
-                      const cns_flow_spec *scout, const cns_flow *scouted, cns_run_info *plan)
+                      const cns_tally *tally, cns_run_info *plan)
 {
     const double rows = cns_number_get_d(p->end) / cns_number_get_d(p->every);
     double ignored, memory = PROGRAM_BYTES;
-    double printed = run_seconds(p, fine, plan->digits, false, scout, scouted, rows, &plan->steps, &memory);
-    double proof = run_seconds(p, coarse, plan->proof_digits, true, scout, scouted, rows, &ignored, &memory);
+    double printed = run_seconds(p, fine, plan->digits, false, tally, rows, &plan->steps, &memory);
+    double proof = run_seconds(p, coarse, plan->proof_digits, true, tally, rows, &ignored, &memory);
     plan->seconds = p->threads > 1 ? fmax(printed, proof) : printed + proof;
     plan->memory = memory;
 }

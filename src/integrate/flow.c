@@ -293,6 +293,11 @@ double cns_flow_noise_log2(const cns_flow *f)
     return f->last.noise_log2;
 }
 
+bool cns_flow_reach(const cns_flow *f, double tolerance_log2, int order, double *h_log2)
+{
+    return f->ops->reach && f->ops->reach(f->stepper, tolerance_log2, order, h_log2);
+}
+
 long cns_flow_steps(const cns_flow *f)
 {
     return f->steps;

@@ -20,6 +20,8 @@ typedef struct cns_method_ops {
     cns_stepper *(*create)(const cns_flow_spec *spec, cns_error *err);
     void (*destroy)(cns_stepper *s);
     size_t (*bytes)(const cns_stepper *s); /* of memory that it holds */
+    /* As cns_flow_reach(); NULL if the method chooses no steps. */
+    bool (*reach)(const cns_stepper *s, double tolerance_log2, int order, double *h_log2);
     void (*start)(cns_stepper *s);
     /* From x to y, both of one number per state at the flow's precision. */
     cns_code (*step)(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_error *err);

@@ -123,8 +123,11 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
                                 .deadline = goal->max_time > 0 ? cns_seconds() + goal->max_time : 0,
                                 .origins = true,
                                 .end = cns_number_get_d(p->end),
+                                .stepped = cns_tally_step,
                                 .unit_noise = -1e-9}; /* one unit per step */
     const double since = cns_thread_seconds();
+    cns_tally tally = {.spec = &spec.flow, .end = spec.end};
+    spec.context = &tally;
     spec.flow.arithmetic = CNS_ARITH_DOUBLE;
     spec.flow.portable = true;
     spec.flow.order = DOUBLE_ORDER;
@@ -205,7 +208,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         plan->order = fine.order;
         plan->proof_prec = coarse.prec;
         plan->proof_order = coarse.order;
-        cns_cost_predict(p, &fine, &coarse, &spec.flow, cns_trajectory_flow(t), plan);
+        cns_cost_predict(p, &fine, &coarse, &tally, plan);
         plan->seconds += cns_thread_seconds() - since;
     }
     cns_trajectory_free(t);

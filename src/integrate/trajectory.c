@@ -115,6 +115,8 @@ cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, c
         cns_code code = cns_flow_step(t->flow, err);
         if (code)
             return code;
+        if (t->spec.stepped)
+            t->spec.stepped(t->spec.context, t->flow);
         if (t->spec.no_growth)
             continue;
         double noise = t->spec.unit_noise != 0 ? t->spec.unit_noise : cns_flow_noise_log2(t->flow);

@@ -68,9 +68,11 @@ static cns_code compute_constants(cns_jet *J, cns_error *err)
 }
 
 /* eps < 2^-(2/3 prec + 16). */
-static bool is_sharp(const cns_program *p, mpfr_prec_t prec)
+bool cns_jet_is_sharp(const cns_program *p, mpfr_prec_t prec)
 {
     mpfr_t eps;
+    if (!p->is_smooth)
+        return false;
     mpfr_init2(eps, 53);
     cns_number_get_mpfr(eps, &p->smooth);
     bool sharp = mpfr_get_exp(eps) < -(2 * prec / 3 + 16);
@@ -123,7 +125,7 @@ cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err)
         if (wanted && !node->constant)
             J->plan[J->n_plan++] = v;
     }
-    J->sharp = p->is_smooth && is_sharp(p, spec->sharp_prec ? spec->sharp_prec : spec->prec);
+    J->sharp = cns_jet_is_sharp(p, spec->sharp_prec ? spec->sharp_prec : spec->prec);
     J->registers_from = series;
     cns_arith_spec arith = {
         .series = series + spec->registers, .order = spec->order + LOOKAHEAD, .prec = spec->prec};
