@@ -88,4 +88,8 @@ long cns_flow_events(const cns_flow *f);
 /* States at time t0 <= t <= t1 of the last step; x has one number per state, rounded to its precision. */
 void cns_flow_eval(cns_flow *f, const mpq_t t, mpfr_t *x);
 
+/* The dense output of the last step, one state's polynomial: x(t0 + u unit) = sum_k c_k u^k, coefficients
+ * 0..*degree, valid until the next step or call. Only after a step. */
+mpfr_t *cns_flow_polynomial(cns_flow *f, int state, int *degree, mpfr_t unit);
+
 #endif

@@ -300,3 +300,8 @@ void cns_flow_eval(cns_flow *f, const mpq_t t, mpfr_t *x)
         mpfr_set_zero(f->tau, 1);
     f->ops->eval(f->stepper, f->tau, x);
 }
+
+mpfr_t *cns_flow_polynomial(cns_flow *f, int state, int *degree, mpfr_t unit)
+{
+    return f->ops->polynomial(f->stepper, state, degree, unit);
+}

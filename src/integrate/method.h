@@ -24,6 +24,8 @@ typedef struct cns_method_ops {
     cns_code (*step)(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_error *err);
     /* States at tau after the beginning of the last step, 0 <= tau <= h. */
     void (*eval)(cns_stepper *s, const mpfr_t tau, mpfr_t *x);
+    /* The same as a polynomial: coefficients 0..*degree of state i in tau/unit, valid until the next call. */
+    mpfr_t *(*polynomial)(cns_stepper *s, int i, int *degree, mpfr_t unit);
     /* Derivatives of the states at tau, from the dense output; NULL if the method cannot tell. *tolerance is
      * set to a bound on their error from rounding and truncation. */
     void (*derivative)(cns_stepper *s, const mpfr_t tau, mpfr_t *dx, mpfr_t tolerance);

@@ -209,6 +209,14 @@ static void eval(cns_stepper *s, const mpfr_t t, mpfr_t *x)
     }
 }
 
+static mpfr_t *polynomial(cns_stepper *s, int i, int *degree, mpfr_t unit)
+{
+    load(s);
+    *degree = s->order;
+    mpfr_set_d(unit, s->H, MPFR_RNDN);
+    return coefficients(s, i);
+}
+
 static cns_code expand(cns_stepper *s, cns_jet *jet, int order, double H, mpfr_t *x, cns_error *err)
 {
     s->jet = jet;
@@ -497,5 +505,6 @@ const cns_method_ops cns_method_taylor = {
     .start = start,
     .step = step,
     .eval = eval,
+    .polynomial = polynomial,
     .derivative = derivative,
 };
