@@ -24,6 +24,17 @@ typedef struct cns_model_output { /* a derived quantity that tables can show */
     const char *meaning;
 } cns_model_output;
 
+/* What makes two states of a motion the same motion. A turn adds 2 pi / turns to the angle and multiplies
+ * every state by its turn_sign; the mirror image multiplies every state by its mirror_sign, the angle's being
+ * -1. Both map solutions to solutions. */
+typedef struct cns_model_motion {
+    int angle;                      /* a state */
+    int turns;                      /* in a whole revolution, >= 1 */
+    int height;                     /* the state that measures it; -1: none */
+    const signed char *turn_sign;   /* n_states: 1 or -1 */
+    const signed char *mirror_sign; /* n_states: 1 or -1; NULL: the mirror image is no solution */
+} cns_model_motion;
+
 typedef struct cns_model {
     const char *name;
     const char *title;
@@ -32,6 +43,7 @@ typedef struct cns_model {
     const cns_model_state *states;
     const cns_model_parameter *parameters;
     const cns_model_output *outputs;
+    const cns_model_motion *motion; /* NULL: no state is an angle */
     /* Writes the right-hand side and the outputs (in the order of `outputs`) into a new program. */
     void (*build)(cns_program *p);
 } cns_model;

@@ -33,6 +33,14 @@ static const cns_model_output outputs[] = {
     {"vy_lab", "y', velocity in the global frame"},
 };
 
+/* Half a turn puts the other edge ahead: Vx and Vy, in the disk's frame, change sign. */
+static const signed char turn_sign[N_STATES] = {
+    [X] = 1, [Y] = 1, [THETA] = 1, [VX] = -1, [VY] = -1, [OMEGA] = 1};
+static const signed char mirror_sign[N_STATES] = {
+    [X] = -1, [Y] = 1, [THETA] = -1, [VX] = -1, [VY] = 1, [OMEGA] = -1};
+static const cns_model_motion motion = {
+    .angle = THETA, .turns = 2, .height = Y, .turn_sign = turn_sign, .mirror_sign = mirror_sign};
+
 /* Equations (1)-(4) of Xu, Li, Li, Liao with s = sqrt(Vx^2 + Vy^2), r = Vx Vy / s, e = (Vx^2 - Vy^2) / s:
  *   Gamma = (2/pi) (CR omega - CT r),  f = (A s - B e) / pi,  (Fx, Fy) = f (Vx, Vy),
  *   I Vx'     = ((I+1) omega - Gamma) Vy - sin theta - f Vx
@@ -98,5 +106,6 @@ const cns_model cns_model_apw = {
     .states = states,
     .parameters = parameters,
     .outputs = outputs,
+    .motion = &motion,
     .build = build,
 };
