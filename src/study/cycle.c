@@ -45,7 +45,7 @@ static void close_map(map *m)
 static cns_code open_map(map *m, const cns_system *S, long digits, cns_error *err)
 {
     const int d = S->d, states = d + d * d;
-    *m = (map){.S = S, .d = d, .states = states, .prec = cns_digits_to_bits(digits)};
+    *m = (map){.S = S, .d = d, .states = states, .prec = cns_study_bits(digits)};
     mpfr_inits2(m->prec, m->x, m->y, (mpfr_ptr)0);
     m->scales = cns_xalloc((size_t)states, sizeof *m->scales);
     m->start = cns_xalloc((size_t)states, sizeof *m->start);
@@ -228,8 +228,8 @@ cns_code cns_cycle_find(const cns_system *S, const mpfr_t *z, int returns, int d
     map m;
     double best = HUGE_VAL;
     *c = (cns_cycle){.d = S->d, .returns = returns, .direction = direction};
-    c->z = cns_reals_new(S->d, cns_digits_to_bits(digits));
-    mpfr_init2(c->time, cns_digits_to_bits(digits));
+    c->z = cns_reals_new(S->d, cns_study_bits(digits));
+    mpfr_init2(c->time, cns_study_bits(digits));
     for (int i = 0; i < S->d; i++)
         mpfr_set(c->z[i], z[i], MPFR_RNDN);
     cns_code code = open_map(&m, S, digits, err);

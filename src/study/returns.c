@@ -26,6 +26,11 @@ static const double distrust_log2 = -16; /* noise at a return that could decide 
 static const double sure = 6;            /* standard errors by which an exponent is positive */
 static const double settled_log2 = -10;  /* nearer to its late motion than this, the transient is over */
 
+mpfr_prec_t cns_study_bits(long digits)
+{
+    return digits > 0 ? cns_digits_to_bits(digits) : 53;
+}
+
 cns_flow_spec cns_study_flow(const cns_study *s, const cns_program *p, const double *scales, long digits)
 {
     cns_flow_spec spec = {.program = p,
@@ -33,7 +38,7 @@ cns_flow_spec cns_study_flow(const cns_study *s, const cns_program *p, const dou
                           .method = CNS_METHOD_TAYLOR,
                           .arithmetic = digits > 0 ? CNS_ARITH_FAST : CNS_ARITH_DOUBLE,
                           .portable = true,
-                          .prec = digits > 0 ? cns_digits_to_bits(digits) : 53,
+                          .prec = cns_study_bits(digits),
                           .tolerance_log2 = digits > 0 ? -(double)digits * CNS_LOG2_10 : -52,
                           .stop = s->stop};
     spec.order = cns_order_for(spec.tolerance_log2, spec.arithmetic);
@@ -340,9 +345,10 @@ static bool repeats(follower *F)
     late->returns = found;
     late->direction = F->direction[j % HISTORY];
     late->d = F->S->d;
-    late->z = cns_reals_new(late->d, mpfr_get_prec(F->x));
-    for (int i = 0; i < late->d; i++)
-        mpfr_set(late->z[i], F->z[j % HISTORY * late->d + i], MPFR_RNDN);
+    late->z = cns_reals_new(found * late->d, mpfr_get_prec(F->x));
+    for (int k = 0; k < found; k++)
+        for (int i = 0; i < late->d; i++)
+            mpfr_set(late->z[k * late->d + i], F->z[(j - k) % HISTORY * late->d + i], MPFR_RNDN);
     measure_transient(F, found);
     return true;
 }
@@ -418,6 +424,8 @@ static cns_code at_meetings(follower *F, bool *over, cns_error *err)
             break;
         late->noise_log2 = fmax(late->noise_log2, noise);
         remember(F, m);
+        late->side = m->direction;
+        late->turns = m->k;
         *over = repeats(F);
         F->fastest = -HUGE_VAL;
     }
@@ -468,6 +476,6 @@ cns_code cns_late_find(const cns_system *S, long digits, cns_late *late, cns_err
 
 void cns_late_clear(cns_late *late)
 {
-    cns_reals_free(late->z, late->d);
+    cns_reals_free(late->z, late->returns * late->d);
     late->z = NULL;
 }

@@ -43,13 +43,15 @@ typedef enum cns_late_kind {
 
 typedef struct cns_late {
     cns_late_kind kind;
-    int returns;              /* cycle: in one repetition up to symmetry */
-    int direction;            /* of the angle at z; 1 where reduced states are mirrored */
-    int d;                    /* numbers of z */
-    mpfr_t *z;                /* cycle: the reduced state of its last return */
-    double gap_log2;          /* and how far it was from the one before, in scales */
-    bool trusted;             /* noise has never grown to what could decide anything */
-    double noise_log2;        /* the most that it has grown to at a return, in scales */
+    int returns;       /* cycle: in one repetition up to symmetry */
+    int direction;     /* of the angle at z; 1 where reduced states are mirrored */
+    int d;             /* numbers in a reduced state */
+    int side;          /* the angle's true direction at the last return */
+    long turns;        /* and its turns there */
+    mpfr_t *z;         /* cycle: the reduced states of its last `returns` returns, the last one first */
+    double gap_log2;   /* and how far it was from the one before, in scales */
+    bool trusted;      /* noise has never grown to what could decide anything */
+    double noise_log2; /* the most that it has grown to at a return, in scales */
     double lambda, lambda_se; /* exponent of the second half of the time followed; se < 0: too short */
     double transient;         /* the late motion is there from this time on */
     double time;              /* followed up to */
@@ -61,6 +63,9 @@ typedef struct cns_late {
 /* digits 0: double. */
 cns_code cns_late_find(const cns_system *S, long digits, cns_late *late, cns_error *err);
 void cns_late_clear(cns_late *late);
+
+/* Working precision for so many digits; 0: that of double. */
+mpfr_prec_t cns_study_bits(long digits);
 
 /* Flows of this study's accuracy: Taylor, adaptive; digits 0: double. */
 cns_flow_spec cns_study_flow(const cns_study *s, const cns_program *p, const double *scales, long digits);
