@@ -5,6 +5,7 @@
 #include "options.h"
 
 int cns_cmd_run(const cns_options *o);
+int cns_cmd_classify(const cns_options *o);
 int cns_cmd_check(const cns_options *o);
 int cns_cmd_models(const cns_options *o);
 int cns_cmd_help(const cns_options *o);

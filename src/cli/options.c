@@ -14,6 +14,20 @@ static const cns_command commands[] = {
      "With `goal` the program finds digits, order and steps by itself and proves every decimal\n"
      "it prints with a second, finer run. With `numerics` it computes as told; --prove adds the\n"
      "second run.\n"},
+    {"classify", cns_cmd_classify, "CASE", 1, 1, "find the mode of a motion: steady, flutter, tumble, chaotic",
+     "Follows the case's own trajectory until its late motion shows, twice, in different precisions,\n"
+     "and finds the cycle that it tends to. Keys:\n"
+     "  mode      steady, flutter (periodic, from side to side), tumble (periodic, going round),\n"
+     "            periodic (in a model without an angle), chaotic (the largest exponent is positive,\n"
+     "            by six standard errors), undecided (exit status 1; a note says why)\n"
+     "  period    after which the motion repeats, up to place and whole revolutions of its angle\n"
+     "  winding   whole revolutions in a period\n"
+     "  symmetry  mirror: half a period makes the motion its own mirror image; turn: a part of a\n"
+     "            period turns it by half a revolution and otherwise repeats it; none\n"
+     "  returns   passages through broadside (angle = k pi) until it repeats, up to symmetry: 1 is\n"
+     "            the simplest motion of its kind, 2 what is called period two\n"
+     "With --sweep it does so for many values of a parameter, on all cores, and prints a table; with\n"
+     "-o DIR every finished value is kept in DIR, and none is computed again.\n"},
     {"check", cns_cmd_check, "CASE", 1, 1, "check a case file and print it with all defaults filled in",
      "All faults are reported, one per line, with line and column. What is printed is a case\n"
      "file again (sections of studies left out), with the overrides of --set applied.\n"
@@ -32,6 +46,9 @@ typedef enum option_id {
     O_YAML,
     O_SET,
     O_PROVE,
+    O_UNTIL,
+    O_SWEEP,
+    O_OBSERVABLE,
     O_THREADS,
     O_QUIET,
     O_VERBOSE,
@@ -50,12 +67,15 @@ typedef struct option_row {
 
 /* clang-format off */
 static const option_row options[] = {
-    {O_OUTPUT,  "output",  'o', "FILE", " run ", "write the table to FILE, written aside and renamed"},
-    {O_YAML,    "yaml",     0,  NULL,   " run ", "a summary as YAML; the table only with -o"},
-    {O_SET,     "set",      0,  "K=V",  " run check ", "override a value: --set numerics.digits=80 (repeatable)"},
+    {O_OUTPUT,  "output",  'o', "FILE", " run classify ", "write the table to FILE, written aside and renamed; runs of a sweep: to a directory"},
+    {O_YAML,    "yaml",     0,  NULL,   " run classify ", "a summary as YAML; the table only with -o"},
+    {O_SET,     "set",      0,  "K=V",  " run classify check ", "override a value: --set numerics.digits=80 (repeatable)"},
     {O_PROVE,   "prove",    0,  NULL,   " run ", "prove a run by hand with a second, finer one"},
-    {O_THREADS, "threads",  0,  "N",    " run ", "at most N threads; the results do not depend on it"},
-    {O_QUIET,   "quiet",   'q', NULL,   " run check ", "no progress and no notes; errors only"},
+    {O_UNTIL,   "until",    0,  "T",    " classify ", "follow the motion up to this time at most"},
+    {O_SWEEP,   "sweep",    0,  "P=A:B:STEP", " classify ", "one row for every value of parameter P from A to B"},
+    {O_OBSERVABLE, "observable", 0, "STATE", " classify ", "the state whose maxima are listed; default: the last dynamic one"},
+    {O_THREADS, "threads",  0,  "N",    " run classify ", "at most N threads; the results do not depend on it"},
+    {O_QUIET,   "quiet",   'q', NULL,   " run classify check ", "no progress and no notes; errors only"},
     {O_VERBOSE, "verbose", 'v', NULL,   " run ", "say more about what is done"},
     {O_VERSION, "version",  0,  NULL,   NULL,    "print the version and those of the libraries"},
     {O_HELP,    "help",    'h', NULL,   NULL,    "describe the command"},
@@ -171,6 +191,15 @@ static cns_code take(parser *p, const option_row *row, const char *value)
         break;
     case O_PROVE:
         o->prove = true;
+        break;
+    case O_UNTIL:
+        o->until = value;
+        break;
+    case O_SWEEP:
+        o->sweep = value;
+        break;
+    case O_OBSERVABLE:
+        o->observable = value;
         break;
     case O_THREADS:
         return parse_threads(p, value);

@@ -17,8 +17,9 @@ typedef struct cns_options {
     int n_sets;
     const char *output; /* -o; NULL: standard output */
     bool yaml, prove, quiet;
-    int verbose; /* how many -v */
-    int threads; /* 0: as many as there are processors */
+    const char *until, *sweep, *observable; /* as given; NULL: not */
+    int verbose;                            /* how many -v */
+    int threads;                            /* 0: as many as there are processors */
     bool help, version;
     const char **list; /* room for operands and sets */
 } cns_options;

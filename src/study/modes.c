@@ -257,6 +257,34 @@ static cns_code describe(const cns_system *S, const cns_late *late, const cns_cy
     return CNS_OK;
 }
 
+/* Returns that alternate about a cycle while they approach it repeat every second time before they repeat
+ * every time: replaces c by the cycle of the fewest returns that it is a multiple of. */
+static cns_code reduce_cycle(const cns_system *S, long digits, cns_cycle *c, cns_error *err)
+{
+    for (int n = 1; n < c->returns; n++) {
+        cns_cycle part;
+        if (c->returns % n != 0)
+            continue;
+        cns_code code = cns_cycle_find(S, (const mpfr_t *)c->z, n, c->direction, digits, &part, err);
+        double gap = HUGE_VAL;
+        if (!code) {
+            gap = 0;
+            for (int i = 0; i < S->d; i++)
+                gap = fmax(gap, fabs(mpfr_get_d(part.z[i], MPFR_RNDN) - mpfr_get_d(c->z[i], MPFR_RNDN)) /
+                                    S->study->scales[S->index[i]]);
+        }
+        if (gap < exp2(2 * same_log2)) {
+            cns_cycle_clear(c);
+            *c = part;
+            return CNS_OK;
+        }
+        cns_cycle_clear(&part);
+        if (code && code != CNS_UNREACHED)
+            return code;
+    }
+    return CNS_OK;
+}
+
 /* The cycle near a late motion, in two precisions; the motion's mode stays undecided where there is none or
  * where it does not attract. */
 static cns_code settle_cycle(const cns_system *S, const cns_late *late, long digits, cns_motion *motion,
@@ -267,8 +295,10 @@ static cns_code settle_cycle(const cns_system *S, const cns_late *late, long dig
     const long coarse_digits = digits > 0 ? digits : SECOND_DIGITS, fine_digits = coarse_digits + MORE_DIGITS;
     cns_code code = cns_cycle_find(S, z, late->returns, late->direction, coarse_digits, &coarse, err);
     if (!code)
-        code = cns_cycle_find(S, (const mpfr_t *)coarse.z, late->returns, late->direction, fine_digits, &fine,
-                              err);
+        code = reduce_cycle(S, coarse_digits, &coarse, err);
+    if (!code)
+        code = cns_cycle_find(S, (const mpfr_t *)coarse.z, coarse.returns, late->direction, fine_digits,
+                              &fine, err);
     if (code == CNS_UNREACHED) {
         snprintf(motion->note, sizeof motion->note, "returns repeat, but %.200s", err->text);
         code = CNS_OK;

@@ -202,7 +202,8 @@ typedef struct follower {
     mpq_t time;
     mpfr_t x;
     mpfr_t *z; /* HISTORY reduced states of d numbers, return j in place j % HISTORY */
-    int direction[HISTORY];
+    int direction[HISTORY], side[HISTORY]; /* of the angle: as reduced, and true */
+    long turns[HISTORY];
     long count;
     int streak[CNS_MOST_RETURNS + 1]; /* returns in a row that were near to the one so many before */
     double *all, *times;              /* all reduced states and their times, for the transient */
@@ -303,6 +304,8 @@ static void remember(follower *F, const cns_meeting *m)
         F->all[j * d + i] = mpfr_get_d(*z, MPFR_RNDN);
     }
     F->direction[j % HISTORY] = mirrors(S) ? 1 : m->direction;
+    F->side[j % HISTORY] = m->direction;
+    F->turns[j % HISTORY] = m->k;
     F->times[j] = mpfr_get_d(m->time, MPFR_RNDN);
     F->count++;
 }
@@ -344,6 +347,8 @@ static bool repeats(follower *F)
     late->kind = CNS_LATE_CYCLE;
     late->returns = found;
     late->direction = F->direction[j % HISTORY];
+    late->cycle_turns = F->turns[j % HISTORY] - F->turns[(j - found) % HISTORY];
+    late->cycle_mirrored = F->side[j % HISTORY] != F->side[(j - found) % HISTORY];
     late->d = F->S->d;
     late->z = cns_reals_new(found * late->d, mpfr_get_prec(F->x));
     for (int k = 0; k < found; k++)

@@ -43,15 +43,17 @@ typedef enum cns_late_kind {
 
 typedef struct cns_late {
     cns_late_kind kind;
-    int returns;       /* cycle: in one repetition up to symmetry */
-    int direction;     /* of the angle at z; 1 where reduced states are mirrored */
-    int d;             /* numbers in a reduced state */
-    int side;          /* the angle's true direction at the last return */
-    long turns;        /* and its turns there */
-    mpfr_t *z;         /* cycle: the reduced states of its last `returns` returns, the last one first */
-    double gap_log2;   /* and how far it was from the one before, in scales */
-    bool trusted;      /* noise has never grown to what could decide anything */
-    double noise_log2; /* the most that it has grown to at a return, in scales */
+    int returns;         /* cycle: in one repetition up to symmetry */
+    int direction;       /* of the angle at z; 1 where reduced states are mirrored */
+    int d;               /* numbers in a reduced state */
+    int side;            /* the angle's true direction at the last return */
+    long turns;          /* and its turns there */
+    mpfr_t *z;           /* cycle: the reduced states of its last `returns` returns, the last one first */
+    long cycle_turns;    /* turns of the angle in one repetition */
+    bool cycle_mirrored; /* it ends in the mirror image */
+    double gap_log2;     /* and how far it was from the one before, in scales */
+    bool trusted;        /* noise has never grown to what could decide anything */
+    double noise_log2;   /* the most that it has grown to at a return, in scales */
     double lambda, lambda_se; /* exponent of the second half of the time followed; se < 0: too short */
     double transient;         /* the late motion is there from this time on */
     double time;              /* followed up to */
