@@ -237,7 +237,9 @@ static cns_code emit(walk *w, unsigned long row, cns_places places, long count, 
 {
     const cns_sink *sink = w->p->sink;
     write_texts(w, row, places, count);
-    cns_row out = {.text = w->text, .decimals = as_decimals(w, places, count), .growth = w->coarse ? w->c->growth : w->s.growth};
+    cns_row out = {.text = w->text,
+                   .decimals = as_decimals(w, places, count),
+                   .growth = w->coarse ? w->c->growth : w->s.growth};
     if (w->coarse && (result->rows == 0 || out.decimals < result->decimals))
         result->decimals = out.decimals;
     result->rows++;
@@ -388,14 +390,9 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
     return code;
 }
 
-cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool prove, cns_result *result,
-                            cns_error *err)
+cns_flow_spec cns_given_spec(const cns_problem *p, const cns_numerics *n)
 {
-    double since = cns_seconds();
-    cns_flow_spec given = cns_taylor_spec(p, n->digits > 0 ? n->digits : 16), fine;
-    cns_number half_step;
-    walk w;
-    *result = (cns_result){.decimals = -1, .run = {.attempt = 1}};
+    cns_flow_spec given = cns_taylor_spec(p, n->digits > 0 ? n->digits : 16);
     given.method = n->method;
     given.arithmetic = n->arithmetic;
     given.step = n->fixed_step ? &n->step : NULL;
@@ -409,6 +406,17 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
     given.order = cns_order_for(given.tolerance_log2, given.arithmetic);
     if (n->order > 0)
         given.order = (int)n->order;
+    return given;
+}
+
+cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool prove, cns_result *result,
+                            cns_error *err)
+{
+    double since = cns_seconds();
+    cns_flow_spec given = cns_given_spec(p, n), fine;
+    cns_number half_step;
+    walk w;
+    *result = (cns_result){.decimals = -1, .run = {.attempt = 1}};
 
     /* The finer run of a proof: more digits; a Taylor run also another order and smaller steps, a
      * Runge-Kutta run half the step. */
