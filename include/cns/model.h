@@ -29,6 +29,7 @@ typedef struct cns_model_output { /* a derived quantity that tables can show */
  * -1. Both map solutions to solutions. */
 typedef struct cns_model_motion {
     int angle;                      /* a state */
+    int rate;                       /* the state that is the angle's rate of change; -1: none */
     int turns;                      /* in a whole revolution, >= 1 */
     int height;                     /* the state that measures it; -1: none */
     const signed char *turn_sign;   /* n_states: 1 or -1 */

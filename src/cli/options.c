@@ -13,7 +13,12 @@ static const cns_command commands[] = {
      "CASE is a case file, or - for standard input; `cns help case` lists its keys.\n"
      "With `goal` the program finds digits, order and steps by itself and proves every decimal\n"
      "it prints with a second, finer run. With `numerics` it computes as told; --prove adds the\n"
-     "second run.\n"},
+     "second run.\n"
+     "--events writes a second table, when the first is complete: the moments at which the angle\n"
+     "is a multiple of a turn and its rate is zero (APW: theta = k pi, omega = 0), and those of\n"
+     "--section, with the states there; proven like the rows, by runs of its own. A section is\n"
+     "STATE=VALUE, STATE=VALUE mod PERIOD, or STATE=extremum. `direction` is the sign of the\n"
+     "change (at a maximum -1), 0 where the state only touches. For the events alone: -o /dev/null.\n"},
     {"classify", cns_cmd_classify, "CASE", 1, 1, "find the mode of a motion: steady, flutter, tumble, chaotic",
      "Follows the case's own trajectory until its late motion shows, twice, in different precisions,\n"
      "and finds the cycle that it tends to. Keys:\n"
@@ -46,6 +51,8 @@ typedef enum option_id {
     O_YAML,
     O_SET,
     O_PROVE,
+    O_EVENTS,
+    O_SECTION,
     O_UNTIL,
     O_SWEEP,
     O_OBSERVABLE,
@@ -71,6 +78,8 @@ static const option_row options[] = {
     {O_YAML,    "yaml",     0,  NULL,   " run classify ", "a summary as YAML; the table only with -o"},
     {O_SET,     "set",      0,  "K=V",  " run classify check ", "override a value: --set numerics.digits=80 (repeatable)"},
     {O_PROVE,   "prove",    0,  NULL,   " run ", "prove a run by hand with a second, finer one"},
+    {O_EVENTS,  "events",   0,  "FILE", " run ", "write the table of events to FILE, beside the trajectory"},
+    {O_SECTION, "section",  0,  "S=V",  " run ", "an event for --events: state S has the value V (repeatable)"},
     {O_UNTIL,   "until",    0,  "T",    " classify ", "follow the motion up to this time at most"},
     {O_SWEEP,   "sweep",    0,  "P=A:B:STEP", " classify ", "one row for every value of parameter P from A to B"},
     {O_OBSERVABLE, "observable", 0, "STATE", " classify ", "the state whose maxima are listed; default: the last dynamic one"},
@@ -155,7 +164,7 @@ typedef struct parser {
     cns_error *err;
     int argc, at; /* at: the argument to read next */
     char *const *argv;
-    const char **sets, **operands;
+    const char **sets, **operands, **sections;
     bool seen[N_OPTIONS];
 } parser;
 
@@ -174,7 +183,7 @@ static cns_code take(parser *p, const option_row *row, const char *value)
 {
     cns_options *o = p->o;
     bool *seen = &p->seen[row - options];
-    if (*seen && row->argument != NULL && row->id != O_SET)
+    if (*seen && row->argument != NULL && row->id != O_SET && row->id != O_SECTION)
         return cns_fail(p->err, CNS_USAGE, "--%s is given twice", row->name);
     *seen = true;
     switch (row->id) {
@@ -191,6 +200,14 @@ static cns_code take(parser *p, const option_row *row, const char *value)
         break;
     case O_PROVE:
         o->prove = true;
+        break;
+    case O_EVENTS:
+        if (value[0] == '\0')
+            return cns_fail(p->err, CNS_USAGE, "--events needs the name of a file");
+        o->events = value;
+        break;
+    case O_SECTION:
+        p->sections[o->n_sections++] = value;
         break;
     case O_UNTIL:
         o->until = value;
@@ -329,10 +346,12 @@ cns_code cns_options_parse(cns_options *o, int argc, char *const *argv, cns_erro
 {
     *o = (cns_options){0};
     size_t room = argc > 0 ? (size_t)argc : 1;
-    o->list = cns_xalloc(2 * room, sizeof *o->list);
+    o->list = cns_xalloc(3 * room, sizeof *o->list);
     parser p = {.o = o, .err = err, .argc = argc, .at = 1, .argv = argv};
     p.sets = o->list;
     p.operands = o->list + room;
+    p.sections = o->list + 2 * room;
+    o->sections = p.sections;
     o->sets = p.sets;
     o->operands = p.operands;
     bool only_words = false;

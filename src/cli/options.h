@@ -17,11 +17,14 @@ typedef struct cns_options {
     int n_sets;
     const char *output; /* -o; NULL: standard output */
     bool yaml, prove, quiet;
+    const char *const *sections; /* --section, in order */
+    int n_sections;
+    const char *events;                     /* NULL: none wanted */
     const char *until, *sweep, *observable; /* as given; NULL: not */
     int verbose;                            /* how many -v */
     int threads;                            /* 0: as many as there are processors */
     bool help, version;
-    const char **list; /* room for operands and sets */
+    const char **list; /* room for operands, sets and sections */
 } cns_options;
 
 typedef struct cns_command {

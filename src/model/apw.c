@@ -38,8 +38,12 @@ static const signed char turn_sign[N_STATES] = {
     [X] = 1, [Y] = 1, [THETA] = 1, [VX] = -1, [VY] = -1, [OMEGA] = 1};
 static const signed char mirror_sign[N_STATES] = {
     [X] = -1, [Y] = 1, [THETA] = -1, [VX] = -1, [VY] = 1, [OMEGA] = -1};
-static const cns_model_motion motion = {
-    .angle = THETA, .turns = 2, .height = Y, .turn_sign = turn_sign, .mirror_sign = mirror_sign};
+static const cns_model_motion motion = {.angle = THETA,
+                                        .rate = OMEGA,
+                                        .turns = 2,
+                                        .height = Y,
+                                        .turn_sign = turn_sign,
+                                        .mirror_sign = mirror_sign};
 
 /* Equations (1)-(4) of Xu, Li, Li, Liao with s = sqrt(Vx^2 + Vy^2), r = Vx Vy / s, e = (Vx^2 - Vy^2) / s:
  *   Gamma = (2/pi) (CR omega - CT r),  f = (A s - B e) / pi,  (Fx, Fy) = f (Vx, Vy),
