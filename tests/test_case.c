@@ -85,7 +85,7 @@ START_TEST(reads_a_goal)
                        "time: {end: 10, every: 1/3}\nabs: {smooth: 1e-30}\n"
                        "goal: {significant: 12, max_digits: 100, max_time: 2.5}\n"
                        "output: {columns: [omega, t, Gamma]}\n"
-                       "laws: {delta: 0.01, digits: {from: 16}}\nlyapunov: {}\nbisect: {by: manifold}\n",
+                       "laws: {delta: 0.05, observable: Vx}\nlyapunov: {}\n",
                        NULL, 0);
     ck_assert_str_eq(c->parameters[0].text, "1.1");
     ck_assert_str_eq(c->initial[2].text, "pi/3");
@@ -104,6 +104,59 @@ START_TEST(reads_a_goal)
     ck_assert_int_eq(c->columns[2].kind, CNS_COLUMN_OUTPUT);
     ck_assert_str_eq(cns_case_column_name(c, 2), "Gamma");
     cns_case_free(c);
+}
+END_TEST
+
+START_TEST(reads_studies)
+{
+    cns_case *c =
+        good("model: apw\ntime: {end: 1}\nlaws:\n  delta: 0.05\n  observable: Vx\n"
+             "  digits: {from: 16, to: 25, by: 3}\n"
+             "  steps: {method: taylor, order: 8, digits: 40, from: 1e-2, to: 1e-5, per_decade: 2}\n"
+             "  smoothing: {from: 1e-4, to: 1e-30}\n"
+             "lyapunov: {time: 500, arithmetic: mpfr, digits: 40}\n"
+             "bisect: {parameter: CT, lower: 1.1, upper: 6/5, by: trajectory, decimals: 7}\n",
+             NULL, 0);
+    ck_assert(c->has_laws && c->laws.has_digits && c->laws.has_steps && c->laws.has_smoothing);
+    ck_assert_str_eq(c->laws.delta.text, "0.05");
+    ck_assert_int_eq(c->laws.observable, 3);
+    ck_assert_int_eq(c->laws.digits.from, 16);
+    ck_assert_int_eq(c->laws.digits.to, 25);
+    ck_assert_int_eq(c->laws.digits.by, 3);
+    ck_assert_int_eq(c->laws.steps.method, CNS_METHOD_TAYLOR);
+    ck_assert_int_eq(c->laws.steps.order, 8);
+    ck_assert_int_eq(c->laws.steps.digits, 40);
+    ck_assert_str_eq(c->laws.steps.sizes.from.text, "1e-2");
+    ck_assert_str_eq(c->laws.steps.sizes.to.text, "1e-5");
+    ck_assert_int_eq(c->laws.steps.sizes.per_decade, 2);
+    ck_assert_str_eq(c->laws.smoothing.to.text, "1e-30");
+    ck_assert_int_eq(c->laws.smoothing.per_decade, 1);
+    ck_assert(c->has_lyapunov && c->lyapunov.arithmetic == CNS_ARITH_MPFR && c->lyapunov.digits == 40);
+    ck_assert_str_eq(c->lyapunov.time.text, "500");
+    ck_assert(c->has_bisect && c->bisect.parameter == 1 && !c->bisect.by_manifold);
+    ck_assert_str_eq(c->bisect.lower.text, "1.1");
+    ck_assert_str_eq(c->bisect.upper.text, "6/5");
+    ck_assert_int_eq(c->bisect.decimals, 7);
+    cns_case_free(c);
+    c = good(MINIMAL, NULL, 0);
+    ck_assert(!c->has_laws && !c->has_lyapunov && !c->has_bisect);
+    ck_assert_str_eq(c->laws.delta.text, "0.01");
+    ck_assert_int_eq(c->laws.observable, CNS_OBSERVABLE_NORM);
+    ck_assert(c->lyapunov.arithmetic == CNS_ARITH_DOUBLE && c->lyapunov.digits == 0);
+    cns_case_free(c);
+    bad(MINIMAL "laws: {digits: {from: 30, to: 20}}\n",
+        "t:3:31: 'to' in 'laws.digits' must be above 'from' in 'laws.digits'");
+    bad(MINIMAL "laws: {steps: {from: 1e-5, to: 1e-2}}\n",
+        "t:3:32: 'to' in 'laws.steps' must be below 'from' in 'laws.steps'");
+    bad(MINIMAL "laws: {steps: {from: 1e-2, to: 1e-5, order: 8}}\n",
+        "t:3:45: 'order' of 'method: rk4' is 4 (or auto)");
+    bad(MINIMAL "laws: {observable: q}\n", "t:3:20: unknown state 'q' of model lorenz; use x, y, z or norm");
+    bad(MINIMAL "laws: {smoothing: {from: 1}}\n",
+        "t:3:8: missing key 'to' in 'laws.smoothing': a number > 0");
+    bad(MINIMAL "lyapunov: {digits: 30}\n",
+        "t:3:12: 'digits' does not go with 'arithmetic: double', which has its own 53 bits");
+    bad(MINIMAL "bisect: {parameter: R, lower: 2, upper: 1}\n",
+        "t:3:41: 'upper' in 'bisect' must be above 'lower' in 'bisect'");
 }
 END_TEST
 
@@ -289,14 +342,14 @@ END_TEST
 START_TEST(overrides)
 {
     static const char *const sets[] = {"goal.decimals=20", "parameters.R = 30", "abs.smooth=1e-20",
-                                       "goal.decimals=25", "time.every=1/2",    "laws.digits.from=16"};
+                                       "goal.decimals=25", "time.every=1/2",    "laws.delta=0.1"};
     cns_case *c = good(MINIMAL "abs: exact\n", sets, 6);
     ck_assert(c->has_goal && c->smooth);
     ck_assert_int_eq(c->goal.count, 25);
     ck_assert_str_eq(c->eps.text, "1e-20");
     ck_assert_str_eq(c->every.text, "1/2");
     ck_assert_str_eq(c->overrides, "goal.decimals=20\nparameters.R = 30\nabs.smooth=1e-20\ngoal.decimals=25\n"
-                                   "time.every=1/2\nlaws.digits.from=16");
+                                   "time.every=1/2\nlaws.delta=0.1");
     cns_case_free(c);
     static const char *const exact[] = {"abs=exact"};
     c = good(MINIMAL "abs: {smooth: 1e-3}\n", exact, 1);
@@ -385,7 +438,8 @@ START_TEST(survives_mutations)
     static const char *const seeds[] = {
         "model: apw\nparameters: {I: 2.2, CR: pi}\ninitial: {theta: 1, Vy: 0.01}\n"
         "time: {end: 300, every: 0.5}\nabs: {smooth: 1e-30}\ngoal: {decimals: 10, max_time: 5}\n"
-        "output:\n  columns: [t, x, \"speed\"]\nlaws: {a: [1, {b: 2}]}\n",
+        "output:\n  columns: [t, x, \"speed\"]\nlaws: {digits: {from: 16, to: 21}}\nbisect: {parameter: I, "
+        "lower: 1, upper: 2}\n",
         "model: lorenz\ninitial:\n    x: -15.8\n    y: 8/3\ntime:\n    end: 100\n    every: 1\n"
         "numerics: {method: rk4, digits: 60, order: auto, step: 1e-3} # end\n"};
     static const char *const pieces[] = {
@@ -446,6 +500,7 @@ Suite *suite_case(void)
     tcase_add_test(reading, fills_in_defaults);
     tcase_add_test(reading, reads_a_goal);
     tcase_add_test(reading, reads_numerics);
+    tcase_add_test(reading, reads_studies);
     tcase_add_test(reading, overrides);
     tcase_add_test(reading, loads_files);
     suite_add_tcase(suite, reading);

@@ -10,6 +10,7 @@
 #include "cns/number.h"
 #include "cns/solve.h"
 #include "cns/status.h"
+#include "cns/study.h"
 
 typedef struct cns_case {
     char *name; /* as the user named the file; "<stdin>" for standard input */
@@ -26,6 +27,10 @@ typedef struct cns_case {
     bool has_goal, has_numerics; /* never both */
     cns_goal goal;
     cns_numerics numerics;
+    bool has_laws, has_lyapunov, has_bisect; /* is there such a section? laws and lyapunov have defaults */
+    cns_laws_spec laws;
+    cns_lyapunov_spec lyapunov;
+    cns_bisect_spec bisect;
     int n_columns;
     cns_column *columns;
 } cns_case;

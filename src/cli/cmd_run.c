@@ -1,46 +1,23 @@
 /* cns run: a trajectory as a table. */
-#include <errno.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
-#include "cns/arith.h"
 #include "cns/solve.h"
 #include "cns/summary.h"
 #include "cns/table.h"
 #include "commands.h"
 #include "console.h"
-#include "progress.h"
-
-static volatile sig_atomic_t stop_signal; /* the one thing a signal handler can reach */
-
-static void on_signal(int number)
-{
-    stop_signal = number;
-}
-
-/* The first signal ends the run at its next step, the second at once. */
-static void catch_signals(void)
-{
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    sigaction(SIGHUP, &action, NULL);
-}
+#include "setup.h"
 
 typedef struct run_context {
-    const cns_options *o;
-    const cns_case *c;
+    cns_setup setup;
     cns_table *table; /* NULL: --yaml without -o */
-    cns_meter meter;
 } run_context;
 
 static void announce(run_context *r, const cns_run_info *run)
 {
-    cns_meter_clear(&r->meter);
-    if (r->o->quiet)
+    const cns_options *o = r->setup.o;
+    cns_meter_clear(&r->setup.meter);
+    if (o->quiet)
         return;
     if (run->planned)
         fprintf(stderr,
@@ -51,7 +28,7 @@ static void announce(run_context *r, const cns_run_info *run)
                 run->seconds);
     else if (run->attempt > 1)
         fprintf(stderr, "cns: not enough: again with %ld digits, order %d\n", run->digits, run->order);
-    else if (r->o->verbose)
+    else if (o->verbose)
         fprintf(stderr, "cns: %ld digits (%ld bits), order %d\n", run->digits, (long)run->prec, run->order);
 }
 
@@ -73,7 +50,7 @@ static void on_progress(void *context, const cns_progress *p)
     run_context *r = context;
     char what[128];
     snprintf(what, sizeof what, "t = %g of %g, %ld digits", p->t, p->end, p->run->digits);
-    cns_meter_show(&r->meter, p->t / p->end, p->seconds, what);
+    cns_meter_show(&r->setup.meter, p->t / p->end, p->seconds, what);
 }
 
 static int print_summary(const cns_result *result, const cns_case *c)
@@ -99,75 +76,36 @@ static int print_summary(const cns_result *result, const cns_case *c)
     return status ? status : written ? 0 : cns_complain(CNS_IO, "cannot write the summary");
 }
 
-static cns_code solve(const cns_case *c, const cns_options *o, const cns_sink *sink, cns_result *result,
-                      cns_error *err)
-{
-    cns_program_options options = {.smooth = c->smooth ? &c->eps : NULL};
-    cns_program *program;
-    *result = (cns_result){.decimals = -1};
-    cns_code code = cns_model_program(c->model, c->parameters, &options, &program, err);
-    if (code)
-        return code;
-    double *scales = malloc((size_t)c->model->n_states * sizeof *scales);
-    if (!scales) {
-        cns_program_free(program);
-        return cns_fail(err, CNS_NUMERIC, "out of memory");
-    }
-    for (int i = 0; i < c->model->n_states; i++)
-        scales[i] = c->model->states[i].scale;
-    cns_problem problem = {.program = program,
-                           .scales = scales,
-                           .initial = c->initial,
-                           .end = &c->end,
-                           .every = &c->every,
-                           .columns = c->columns,
-                           .n_columns = c->n_columns,
-                           .threads = o->threads > 0 ? o->threads : (int)sysconf(_SC_NPROCESSORS_ONLN),
-                           .stop = &stop_signal,
-                           .sink = sink};
-    code = c->has_goal ? cns_solve_goal(&problem, &c->goal, result, err)
-                       : cns_solve_numerics(&problem, &c->numerics, o->prove, result, err);
-    free(scales);
-    cns_program_free(program);
-    return code;
-}
-
 int cns_cmd_run(const cns_options *o)
 {
-    cns_case *c;
+    run_context r = {0};
     cns_error err = {0}, io = {0};
-    cns_result result;
-    int status = (int)cns_open_case(o, &c);
+    cns_result result = {.decimals = -1};
+    int status = cns_setup_open(o, &r.setup);
     if (status)
         return status;
+    const cns_case *c = r.setup.c;
     if (!c->has_goal && !c->has_numerics) {
         fprintf(stderr, "%s:1:1: neither 'goal' nor 'numerics': `cns run` needs one of them\n", c->name);
-        cns_case_free(c);
+        cns_setup_close(&r.setup);
         return CNS_USAGE;
     }
-    const char *kernel; /* a wrong CNS_KERNEL is a usage error before anything is opened */
-    if (cns_fast_kernel_name(&kernel, &err)) {
-        cns_case_free(c);
-        return cns_complain(err.code, "%s", err.text);
-    }
-    run_context r = {.o = o, .c = c};
     if (!o->yaml || o->output) {
         r.table = cns_table_open(o->output, c, &err);
         if (!r.table) {
-            cns_case_free(c);
+            cns_setup_close(&r.setup);
             return cns_complain(err.code, "%s", err.text);
         }
     }
-    catch_signals();
-    cns_meter_init(&r.meter, o->quiet);
     cns_sink sink = {.context = &r, .begin = on_begin, .row = on_row, .progress = on_progress};
-    cns_code code = solve(c, o, &sink, &result, &err);
-    cns_meter_clear(&r.meter);
+    r.setup.problem.sink = &sink;
+    cns_code code = c->has_goal ? cns_solve_goal(&r.setup.problem, &c->goal, &result, &err)
+                                : cns_solve_numerics(&r.setup.problem, &c->numerics, o->prove, &result, &err);
 
     bool gone = r.table && cns_table_reader_gone(r.table);
-    status = gone ? CNS_STOPPED + SIGPIPE : code == CNS_STOPPED ? CNS_STOPPED + (int)stop_signal : (int)code;
-    if (code && !gone && code != CNS_STOPPED)
-        cns_complain(code, "%s", err.text);
+    if (gone)
+        cns_meter_clear(&r.setup.meter);
+    status = gone ? CNS_STOPPED + SIGPIPE : cns_setup_status(&r.setup, code, &err);
     if (r.table && (gone || code == CNS_IO)) {
         cns_table_abandon(r.table);
     } else if (r.table) {
@@ -183,6 +121,6 @@ int cns_cmd_run(const cns_options *o)
     }
     if (o->verbose && !status)
         fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", result.steps, result.events, result.wall_s);
-    cns_case_free(c);
+    cns_setup_close(&r.setup);
     return status;
 }

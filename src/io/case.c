@@ -17,18 +17,19 @@
 
 typedef enum key_kind {
     KEY_SECTION,    /* a mapping of keys that have rows here */
-    KEY_LATER,      /* a section of a study: any mapping; that study checks it */
     KEY_MODEL,      /* name of a model */
     KEY_PARAMETERS, /* mapping from the model's parameters to numbers */
     KEY_INITIAL,    /* mapping from the model's states to numbers */
     KEY_COLUMNS,    /* list of t, states and outputs of the model */
+    KEY_STATE,      /* name of a state, or one of words */
+    KEY_PARAMETER,  /* name of a parameter */
     KEY_INTEGER,    /* least..most, or one of words */
     KEY_NUMBER,     /* above < value < below, or one of words */
     KEY_WORD        /* one of words */
 } key_kind;
 
 typedef struct key_row {
-    const char *section; /* NULL: at the top */
+    const char *section; /* NULL: at the top; sections in sections have dots: "laws.digits" */
     const char *key;
     key_kind kind;
     const char *words[3]; /* a section that has words may be one of these instead of a mapping */
@@ -39,14 +40,16 @@ typedef struct key_row {
     bool rational; /* a multiple of pi will not do: rows and steps are counted exactly */
 } key_row;
 
-#define LIMIT_DECIMALS   10000
-#define LIMIT_DIGITS     100000
-#define LIMIT_ORDER      100000
-#define MAX_DIGITS       5000 /* default of goal.max_digits */
-#define LEAST_MAX_DIGITS 26   /* the second run of a proof has 22 digits fewer, and a few are needed */
-#define DOUBLE_ORDER     30   /* beyond it coefficients scaled in double underflow or cancel to noise */
-#define LIMIT_ROWS       10000000L
-#define LIMIT_STEPS      "1e15" /* of a fixed step up to the end: a month of the fastest is far below */
+#define LIMIT_DECIMALS         10000
+#define LIMIT_DIGITS           100000
+#define LIMIT_ORDER            100000
+#define MAX_DIGITS             5000 /* default of goal.max_digits */
+#define LEAST_MAX_DIGITS       26   /* the second run of a proof has 22 digits fewer, and a few are needed */
+#define DOUBLE_ORDER           30   /* beyond it coefficients scaled in double underflow or cancel to noise */
+#define LIMIT_ROWS             10000000L
+#define STANDARD_DELTA         "0.01"
+#define STANDARD_LYAPUNOV_TIME "20000"
+#define LIMIT_STEPS            "1e15" /* of a fixed step up to the end: a month of the fastest is far below */
 
 #define TEXT_OF(x)  #x
 #define TEXT_OF2(x) TEXT_OF(x)
@@ -75,8 +78,33 @@ typedef enum key_id {
     K_OUTPUT,
     K_COLUMNS,
     K_LAWS,
+    K_DELTA,
+    K_OBSERVABLE,
+    K_LAWS_DIGITS,
+    K_DIGITS_FROM,
+    K_DIGITS_TO,
+    K_DIGITS_BY,
+    K_LAWS_STEPS,
+    K_STEPS_METHOD,
+    K_STEPS_ORDER,
+    K_STEPS_DIGITS,
+    K_STEPS_FROM,
+    K_STEPS_TO,
+    K_STEPS_PER_DECADE,
+    K_LAWS_SMOOTHING,
+    K_SMOOTHING_FROM,
+    K_SMOOTHING_TO,
+    K_SMOOTHING_PER_DECADE,
     K_LYAPUNOV,
+    K_LYAPUNOV_TIME,
+    K_LYAPUNOV_ARITHMETIC,
+    K_LYAPUNOV_DIGITS,
     K_BISECT,
+    K_BISECT_PARAMETER,
+    K_BISECT_LOWER,
+    K_BISECT_UPPER,
+    K_BISECT_BY,
+    K_BISECT_DECIMALS,
     N_KEYS
 } key_id;
 
@@ -133,11 +161,62 @@ static const key_row rows[N_KEYS] = {
     [K_COLUMNS] = {.section = "output", .key = "columns", .kind = KEY_COLUMNS,
         .standard = "[t, the states]", .meaning = "t, states and derived quantities of the model"},
 
-    [K_LAWS] = {.key = "laws", .kind = KEY_LATER, .meaning = "of the study of that name; `run` ignores it"},
-    [K_LYAPUNOV] = {.key = "lyapunov", .kind = KEY_LATER,
-        .meaning = "of the study of that name; `run` ignores it"},
-    [K_BISECT] = {.key = "bisect", .kind = KEY_LATER,
-        .meaning = "of the study of that name; `run` ignores it"},
+    [K_LAWS] = {.key = "laws", .kind = KEY_SECTION,
+        .meaning = "of `cns laws` and `cns tc`: which runs, and when two part"},
+    [K_DELTA] = {.section = "laws", .key = "delta", .kind = KEY_NUMBER, .above = "0", .standard = STANDARD_DELTA,
+        .meaning = "the difference at which a run has parted from the reference"},
+    [K_OBSERVABLE] = {.section = "laws", .key = "observable", .kind = KEY_STATE, .words = {"norm"}, .standard = "norm",
+        .meaning = "what differs: the distance of the dynamic states in the model's scales, or one state"},
+    [K_LAWS_DIGITS] = {.section = "laws", .key = "digits", .kind = KEY_SECTION,
+        .meaning = "runs of K digits each"},
+    [K_DIGITS_FROM] = {.section = "laws.digits", .key = "from", .kind = KEY_INTEGER, .least = 4, .most = LIMIT_DIGITS,
+        .meaning = "the smallest K; required"},
+    [K_DIGITS_TO] = {.section = "laws.digits", .key = "to", .kind = KEY_INTEGER, .least = 4, .most = LIMIT_DIGITS,
+        .meaning = "the largest K; required"},
+    [K_DIGITS_BY] = {.section = "laws.digits", .key = "by", .kind = KEY_INTEGER, .least = 1, .most = LIMIT_DIGITS,
+        .standard = "1", .meaning = "from one K to the next"},
+    [K_LAWS_STEPS] = {.section = "laws", .key = "steps", .kind = KEY_SECTION,
+        .meaning = "runs with a fixed step h each"},
+    [K_STEPS_METHOD] = {.section = "laws.steps", .key = "method", .kind = KEY_WORD, .words = {"rk4", "taylor"},
+        .standard = "rk4", .meaning = "how a step is made"},
+    [K_STEPS_ORDER] = {.section = "laws.steps", .key = "order", .kind = KEY_INTEGER, .words = {"auto"},
+        .least = 1, .most = LIMIT_ORDER, .standard = "auto", .meaning = "of the Taylor series; that of rk4 is 4"},
+    [K_STEPS_DIGITS] = {.section = "laws.steps", .key = "digits", .kind = KEY_INTEGER, .least = 4, .most = LIMIT_DIGITS,
+        .standard = "60", .meaning = "decimal digits to compute with"},
+    [K_STEPS_FROM] = {.section = "laws.steps", .key = "from", .kind = KEY_NUMBER, .above = "0", .rational = true,
+        .meaning = "the largest h; required"},
+    [K_STEPS_TO] = {.section = "laws.steps", .key = "to", .kind = KEY_NUMBER, .above = "0", .rational = true,
+        .meaning = "the smallest h; required"},
+    [K_STEPS_PER_DECADE] = {.section = "laws.steps", .key = "per_decade", .kind = KEY_INTEGER, .least = 1, .most = 100,
+        .standard = "1", .meaning = "values of h in a factor of ten"},
+    [K_LAWS_SMOOTHING] = {.section = "laws", .key = "smoothing", .kind = KEY_SECTION,
+        .meaning = "runs with smoothed absolute values each"},
+    [K_SMOOTHING_FROM] = {.section = "laws.smoothing", .key = "from", .kind = KEY_NUMBER, .above = "0", .rational = true,
+        .meaning = "the largest eps; required"},
+    [K_SMOOTHING_TO] = {.section = "laws.smoothing", .key = "to", .kind = KEY_NUMBER, .above = "0", .rational = true,
+        .meaning = "the smallest eps; required"},
+    [K_SMOOTHING_PER_DECADE] = {.section = "laws.smoothing", .key = "per_decade", .kind = KEY_INTEGER, .least = 1, .most = 100,
+        .standard = "1", .meaning = "values of eps in a factor of ten"},
+
+    [K_LYAPUNOV] = {.key = "lyapunov", .kind = KEY_SECTION, .meaning = "of `cns lyapunov`"},
+    [K_LYAPUNOV_TIME] = {.section = "lyapunov", .key = "time", .kind = KEY_NUMBER, .above = "0", .rational = true,
+        .standard = STANDARD_LYAPUNOV_TIME, .meaning = "to follow the tangents for"},
+    [K_LYAPUNOV_ARITHMETIC] = {.section = "lyapunov", .key = "arithmetic", .kind = KEY_WORD,
+        .words = {"fast", "mpfr", "double"}, .standard = "double", .meaning = "of states and tangents"},
+    [K_LYAPUNOV_DIGITS] = {.section = "lyapunov", .key = "digits", .kind = KEY_INTEGER, .least = 4, .most = LIMIT_DIGITS,
+        .standard = "30", .meaning = "decimal digits to compute with; not with double"},
+
+    [K_BISECT] = {.key = "bisect", .kind = KEY_SECTION, .meaning = "of `cns bisect`"},
+    [K_BISECT_PARAMETER] = {.section = "bisect", .key = "parameter", .kind = KEY_PARAMETER,
+        .meaning = "what is varied: a parameter of the model; required"},
+    [K_BISECT_LOWER] = {.section = "bisect", .key = "lower", .kind = KEY_NUMBER, .rational = true,
+        .meaning = "lower end of the bracket; required"},
+    [K_BISECT_UPPER] = {.section = "bisect", .key = "upper", .kind = KEY_NUMBER, .rational = true,
+        .meaning = "upper end of the bracket; required"},
+    [K_BISECT_BY] = {.section = "bisect", .key = "by", .kind = KEY_WORD, .words = {"manifold", "trajectory"},
+        .standard = "manifold", .meaning = "what a probe is: the saddle's unstable manifold, or the case's trajectory"},
+    [K_BISECT_DECIMALS] = {.section = "bisect", .key = "decimals", .kind = KEY_INTEGER,
+        .least = 1, .most = LIMIT_DECIMALS, .standard = "20", .meaning = "right decimals of the critical value"},
 };
 /* clang-format on */
 
@@ -150,6 +229,28 @@ static int find_key(const char *section, const char *key)
 {
     for (int k = 0; k < N_KEYS; k++)
         if (same_section(rows[k].section, section) && strcmp(rows[k].key, key) == 0)
+            return k;
+    return -1;
+}
+
+/* The name that the keys of section k give as theirs. */
+typedef struct section_path {
+    char text[64];
+} section_path;
+
+static section_path path_of(key_id k)
+{
+    section_path p;
+    snprintf(p.text, sizeof p.text, "%s%s%s", rows[k].section != NULL ? rows[k].section : "",
+             rows[k].section != NULL ? "." : "", rows[k].key);
+    return p;
+}
+
+/* The row of a section, by such a name. */
+static int find_section(const char *path)
+{
+    for (int k = 0; k < N_KEYS; k++)
+        if (rows[k].kind == KEY_SECTION && strcmp(path_of((key_id)k).text, path) == 0)
             return k;
     return -1;
 }
@@ -272,9 +373,12 @@ static cns_mark place_of(const loader *l, key_id k)
 {
     if (l->values[k].node != NULL)
         return l->values[k].node->mark;
-    int section = rows[k].section != NULL ? find_key(NULL, rows[k].section) : -1;
-    if (section >= 0 && l->values[section].node != NULL)
-        return l->values[section].node->key_mark;
+    for (const char *path = rows[k].section; path != NULL;) {
+        const int section = find_section(path);
+        if (l->values[section].node != NULL)
+            return l->values[section].node->key_mark;
+        path = rows[section].section;
+    }
     return l->root->mark;
 }
 
@@ -370,6 +474,12 @@ static range_text range_of(const key_row *row)
         break;
     case KEY_MODEL:
         snprintf(all, sizeof all, "a name");
+        break;
+    case KEY_STATE:
+        snprintf(all, sizeof all, "a state of the model");
+        break;
+    case KEY_PARAMETER:
+        snprintf(all, sizeof all, "a parameter of the model");
         break;
     case KEY_WORD:
         break;
@@ -599,6 +709,35 @@ static void check_columns(loader *l, const cns_yaml_node *list)
     }
 }
 
+/* A state or a parameter of the model: its index is the integer of the value. */
+static void check_name(loader *l, key_id k, const cns_yaml_node *node)
+{
+    const key_row *row = &rows[k];
+    const cns_model *m = l->c->model;
+    key_value *v = &l->values[k];
+    if (!is_value(l, node, title_of(k).text, range_of(row).text))
+        return;
+    v->word = find_word(row, node->text);
+    v->good = v->word >= 0;
+    if (v->good || m == NULL)
+        return;
+    name_set known;
+    const bool state = row->kind == KEY_STATE;
+    if (state)
+        state_names(&known, m);
+    else
+        parameter_names(&known, m);
+    v->integer = find_name(&known, node->text);
+    v->good = v->integer >= 0;
+    if (v->good)
+        return;
+    for (int i = 0; i < count_words(row); i++)
+        add_name(&known, row->words[i]);
+    char where[64];
+    snprintf(where, sizeof where, " of model %s", m->name);
+    unknown_name(&l->faults, node->mark, state ? "state" : "parameter", node->text, where, &known);
+}
+
 static void check_section(loader *l, const char *section, const cns_yaml_node *mapping);
 
 static void check_key(loader *l, key_id k, const cns_yaml_node *node)
@@ -611,11 +750,12 @@ static void check_key(loader *l, key_id k, const cns_yaml_node *node)
             check_word(l, k, node);
         } else if (is_mapping(l, node, title_of(k).text)) {
             l->values[k].good = true;
-            check_section(l, row->key, node);
+            check_section(l, path_of(k).text, node);
         }
         break;
-    case KEY_LATER:
-        is_mapping(l, node, title_of(k).text);
+    case KEY_STATE:
+    case KEY_PARAMETER:
+        check_name(l, k, node);
         break;
     case KEY_COLUMNS:
         check_columns(l, node);
@@ -808,6 +948,116 @@ static void resolve_numerics(loader *l)
                        LIMIT_STEPS);
 }
 
+/* Two ends of a range, wherever both are good: `from` must be `order` of `to` (1 above, -1 below). */
+static void check_ends(loader *l, key_id from, key_id to, int order)
+{
+    const key_value *v = l->values;
+    if (!given(l, from) || !given(l, to))
+        return;
+    const int found = rows[from].kind == KEY_INTEGER
+                          ? (v[from].integer > v[to].integer) - (v[from].integer < v[to].integer)
+                          : cns_number_cmp(&v[from].number, &v[to].number);
+    if (found == -order || (found == 0 && rows[from].kind != KEY_INTEGER))
+        cns_faults_add(&l->faults, v[to].node->mark, "%s must be %s %s", title_of(to).text,
+                       order > 0 ? "below" : "above", title_of(from).text);
+}
+
+static void resolve_decades(loader *l, cns_decades *d, key_id from, key_id to, key_id per_decade)
+{
+    require(l, from);
+    require(l, to);
+    check_ends(l, from, to, 1);
+    if (given(l, from))
+        cns_number_set(&d->from, &l->values[from].number);
+    if (given(l, to))
+        cns_number_set(&d->to, &l->values[to].number);
+    d->per_decade = given(l, per_decade) ? l->values[per_decade].integer : 1;
+}
+
+static void resolve_laws(loader *l)
+{
+    cns_laws_spec *laws = &l->c->laws;
+    const key_value *v = l->values;
+    l->c->has_laws = given(l, K_LAWS);
+    if (given(l, K_DELTA))
+        cns_number_set(&laws->delta, &v[K_DELTA].number);
+    else
+        cns_number_parse(&laws->delta, STANDARD_DELTA, NULL);
+    laws->observable = given(l, K_OBSERVABLE) && v[K_OBSERVABLE].word < 0 ? (int)v[K_OBSERVABLE].integer
+                                                                          : CNS_OBSERVABLE_NORM;
+    laws->has_digits = given(l, K_LAWS_DIGITS);
+    if (laws->has_digits) {
+        require(l, K_DIGITS_FROM);
+        require(l, K_DIGITS_TO);
+        check_ends(l, K_DIGITS_FROM, K_DIGITS_TO, -1);
+        laws->digits.from = v[K_DIGITS_FROM].integer;
+        laws->digits.to = v[K_DIGITS_TO].integer;
+        laws->digits.by = given(l, K_DIGITS_BY) ? v[K_DIGITS_BY].integer : 1;
+    }
+    laws->has_steps = given(l, K_LAWS_STEPS);
+    if (laws->has_steps) {
+        const bool taylor = given(l, K_STEPS_METHOD) && v[K_STEPS_METHOD].word == 1;
+        const bool own_order = given(l, K_STEPS_ORDER) && v[K_STEPS_ORDER].word < 0;
+        laws->steps.method = taylor ? CNS_METHOD_TAYLOR : CNS_METHOD_RK4;
+        laws->steps.order = own_order ? v[K_STEPS_ORDER].integer : taylor ? 0 : 4;
+        if (!taylor && laws->steps.order != 4)
+            cns_faults_add(&l->faults, place_of(l, K_STEPS_ORDER), "'order' of 'method: rk4' is 4 (or auto)");
+        laws->steps.digits = given(l, K_STEPS_DIGITS) ? v[K_STEPS_DIGITS].integer : 60;
+        resolve_decades(l, &laws->steps.sizes, K_STEPS_FROM, K_STEPS_TO, K_STEPS_PER_DECADE);
+    }
+    laws->has_smoothing = given(l, K_LAWS_SMOOTHING);
+    if (laws->has_smoothing)
+        resolve_decades(l, &laws->smoothing, K_SMOOTHING_FROM, K_SMOOTHING_TO, K_SMOOTHING_PER_DECADE);
+}
+
+static void resolve_lyapunov(loader *l)
+{
+    cns_lyapunov_spec *y = &l->c->lyapunov;
+    const key_value *v = l->values;
+    static const cns_arithmetic words[] = {CNS_ARITH_FAST, CNS_ARITH_MPFR, CNS_ARITH_DOUBLE};
+    l->c->has_lyapunov = given(l, K_LYAPUNOV);
+    if (given(l, K_LYAPUNOV_TIME))
+        cns_number_set(&y->time, &v[K_LYAPUNOV_TIME].number);
+    else
+        cns_number_parse(&y->time, STANDARD_LYAPUNOV_TIME, NULL);
+    y->arithmetic = given(l, K_LYAPUNOV_ARITHMETIC) ? words[v[K_LYAPUNOV_ARITHMETIC].word] : CNS_ARITH_DOUBLE;
+    y->digits = given(l, K_LYAPUNOV_DIGITS) ? v[K_LYAPUNOV_DIGITS].integer : 30;
+    if (y->arithmetic == CNS_ARITH_DOUBLE) {
+        y->digits = 0;
+        if (given(l, K_LYAPUNOV_DIGITS))
+            cns_faults_add(&l->faults, v[K_LYAPUNOV_DIGITS].node->key_mark,
+                           "'digits' does not go with 'arithmetic: double', which has its own 53 bits");
+    }
+}
+
+static void resolve_bisect(loader *l)
+{
+    cns_bisect_spec *b = &l->c->bisect;
+    const key_value *v = l->values;
+    l->c->has_bisect = given(l, K_BISECT);
+    if (!l->c->has_bisect)
+        return;
+    require(l, K_BISECT_PARAMETER);
+    require(l, K_BISECT_LOWER);
+    require(l, K_BISECT_UPPER);
+    check_ends(l, K_BISECT_LOWER, K_BISECT_UPPER, -1);
+    b->parameter = (int)v[K_BISECT_PARAMETER].integer;
+    for (int end = 0; end < 2; end++) {
+        const key_id k = end == 0 ? K_BISECT_LOWER : K_BISECT_UPPER;
+        if (!given(l, k))
+            continue;
+        cns_number_set(end == 0 ? &b->lower : &b->upper, &v[k].number);
+        const char *minimum = given(l, K_BISECT_PARAMETER) && l->c->model
+                                  ? l->c->model->parameters[b->parameter].minimum
+                                  : NULL;
+        if (minimum != NULL && !within(&v[k].number, minimum, NULL))
+            cns_faults_add(&l->faults, v[k].node->mark, "%s must be > %s for model %s", title_of(k).text,
+                           minimum, l->c->model->name);
+    }
+    b->by_manifold = !(given(l, K_BISECT_BY) && v[K_BISECT_BY].word == 1);
+    b->decimals = given(l, K_BISECT_DECIMALS) ? v[K_BISECT_DECIMALS].integer : 20;
+}
+
 static bool comes_later(cns_mark a, cns_mark b)
 {
     if (a.set != b.set)
@@ -875,6 +1125,9 @@ static void check_case(loader *l)
         resolve_goal(l);
     if (given(l, K_NUMERICS))
         resolve_numerics(l);
+    resolve_laws(l);
+    resolve_lyapunov(l);
+    resolve_bisect(l);
 }
 
 /* Overrides. */
@@ -929,6 +1182,26 @@ static char *join_lines(const char *const *lines, int n)
 
 /* Loading. */
 
+/* The numbers that every case has. */
+static void for_numbers(cns_case *c, void (*act)(cns_number *))
+{
+    cns_number *const all[] = {&c->end,
+                               &c->every,
+                               &c->eps,
+                               &c->numerics.step,
+                               &c->numerics.tolerance,
+                               &c->laws.delta,
+                               &c->laws.steps.sizes.from,
+                               &c->laws.steps.sizes.to,
+                               &c->laws.smoothing.from,
+                               &c->laws.smoothing.to,
+                               &c->lyapunov.time,
+                               &c->bisect.lower,
+                               &c->bisect.upper};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        act(all[i]);
+}
+
 cns_code cns_case_parse(const char *name, const char *text, size_t length, const char *const *sets,
                         int n_sets, cns_case **c, char **report)
 {
@@ -937,11 +1210,7 @@ cns_code cns_case_parse(const char *name, const char *text, size_t length, const
     *report = NULL;
     l.root = cns_yaml_parse(text, length, &l.faults);
     l.c = cns_xalloc(1, sizeof *l.c);
-    cns_number_init(&l.c->end);
-    cns_number_init(&l.c->every);
-    cns_number_init(&l.c->eps);
-    cns_number_init(&l.c->numerics.step);
-    cns_number_init(&l.c->numerics.tolerance);
+    for_numbers(l.c, cns_number_init);
     for (int k = 0; k < N_KEYS; k++) {
         l.values[k].word = -1;
         cns_number_init(&l.values[k].number);
@@ -1031,11 +1300,7 @@ void cns_case_free(cns_case *c)
         free_numbers(c->parameters, c->model->n_parameters);
         free_numbers(c->initial, c->model->n_states);
     }
-    cns_number_clear(&c->end);
-    cns_number_clear(&c->every);
-    cns_number_clear(&c->eps);
-    cns_number_clear(&c->numerics.step);
-    cns_number_clear(&c->numerics.tolerance);
+    for_numbers(c, cns_number_clear);
     free(c->columns);
     free(c->overrides);
     free(c->text);
@@ -1058,12 +1323,20 @@ const char *cns_case_column_name(const cns_case *c, int column)
     }
 }
 
+/* The word for an arithmetic; rows list them in this order. */
+static const char *word_of(key_id k, cns_arithmetic a)
+{
+    return rows[k].words[a == CNS_ARITH_FAST ? 0 : a == CNS_ARITH_MPFR ? 1 : 2];
+}
+
 /* The value of a key in a resolved case, or false when the case has none. */
 static bool print_value(const cns_case *c, key_id k, const char *lead, FILE *out)
 {
     const cns_goal *g = &c->goal;
     const cns_numerics *n = &c->numerics;
     const char *text = NULL;
+    const cns_laws_spec *laws = &c->laws;
+    const bool arithmetic_free = c->lyapunov.arithmetic != CNS_ARITH_DOUBLE;
     char number[32];
     long integer = 0;
     bool decimals = g->places == CNS_PLACES_DECIMALS;
@@ -1099,7 +1372,7 @@ static bool print_value(const cns_case *c, key_id k, const char *lead, FILE *out
         text = rows[k].words[n->method == CNS_METHOD_RK4];
         break;
     case K_ARITHMETIC:
-        text = rows[k].words[n->arithmetic == CNS_ARITH_FAST ? 0 : n->arithmetic == CNS_ARITH_MPFR ? 1 : 2];
+        text = word_of(k, n->arithmetic);
         break;
     case K_DIGITS:
         integer = n->digits;
@@ -1116,6 +1389,73 @@ static bool print_value(const cns_case *c, key_id k, const char *lead, FILE *out
         if (n->method != CNS_METHOD_RK4)
             text = n->auto_tolerance ? "auto" : n->tolerance.text;
         break;
+    case K_DELTA:
+        text = laws->delta.text;
+        break;
+    case K_OBSERVABLE:
+        text = laws->observable < 0 ? rows[k].words[0] : c->model->states[laws->observable].name;
+        break;
+    case K_DIGITS_FROM:
+        integer = laws->digits.from;
+        break;
+    case K_DIGITS_TO:
+        integer = laws->digits.to;
+        break;
+    case K_DIGITS_BY:
+        integer = laws->digits.by;
+        break;
+    case K_STEPS_METHOD:
+        text = rows[k].words[laws->steps.method == CNS_METHOD_TAYLOR];
+        break;
+    case K_STEPS_ORDER:
+        integer = laws->steps.order;
+        text = integer == 0 ? "auto" : NULL;
+        break;
+    case K_STEPS_DIGITS:
+        integer = laws->steps.digits;
+        break;
+    case K_STEPS_FROM:
+        text = laws->steps.sizes.from.text;
+        break;
+    case K_STEPS_TO:
+        text = laws->steps.sizes.to.text;
+        break;
+    case K_STEPS_PER_DECADE:
+        integer = laws->steps.sizes.per_decade;
+        break;
+    case K_SMOOTHING_FROM:
+        text = laws->smoothing.from.text;
+        break;
+    case K_SMOOTHING_TO:
+        text = laws->smoothing.to.text;
+        break;
+    case K_SMOOTHING_PER_DECADE:
+        integer = laws->smoothing.per_decade;
+        break;
+    case K_LYAPUNOV_TIME:
+        text = c->lyapunov.time.text;
+        break;
+    case K_LYAPUNOV_ARITHMETIC:
+        text = word_of(k, c->lyapunov.arithmetic);
+        break;
+    case K_LYAPUNOV_DIGITS:
+        integer = arithmetic_free ? c->lyapunov.digits : 0;
+        break;
+    case K_BISECT_PARAMETER:
+        text = c->model->parameters[c->bisect.parameter].name;
+        break;
+    case K_BISECT_LOWER:
+        text = c->bisect.lower.text;
+        break;
+    case K_BISECT_UPPER:
+        text = c->bisect.upper.text;
+        break;
+    case K_BISECT_BY:
+        text = rows[k].words[!c->bisect.by_manifold];
+        break;
+    case K_BISECT_DECIMALS:
+        integer = c->bisect.decimals;
+        break;
     default:
         break;
     }
@@ -1131,7 +1471,34 @@ static bool print_value(const cns_case *c, key_id k, const char *lead, FILE *out
 
 static bool section_present(const cns_case *c, key_id k)
 {
-    return k == K_GOAL ? c->has_goal : k == K_NUMERICS ? c->has_numerics : true;
+    switch (k) {
+    case K_GOAL:
+        return c->has_goal;
+    case K_NUMERICS:
+        return c->has_numerics;
+    case K_ABS:
+        return c->smooth;
+    case K_LAWS:
+        return c->has_laws;
+    case K_LAWS_DIGITS:
+        return c->laws.has_digits;
+    case K_LAWS_STEPS:
+        return c->laws.has_steps;
+    case K_LAWS_SMOOTHING:
+        return c->laws.has_smoothing;
+    case K_LYAPUNOV:
+        return c->has_lyapunov;
+    case K_BISECT:
+        return c->has_bisect;
+    default:
+        return true;
+    }
+}
+
+static const char *indent(key_id k)
+{
+    const char *section = rows[k].section;
+    return section == NULL ? "" : strchr(section, '.') == NULL ? "    " : "        ";
 }
 
 void cns_case_print(const cns_case *c, FILE *out)
@@ -1141,9 +1508,9 @@ void cns_case_print(const cns_case *c, FILE *out)
         key_id k = (key_id)i;
         switch (rows[k].kind) {
         case KEY_SECTION:
-            shown = section_present(c, k) && !(k == K_ABS && !c->smooth);
+            shown = section_present(c, k);
             if (shown)
-                fprintf(out, "%s:\n", rows[k].key);
+                fprintf(out, "%s%s:\n", indent(k), rows[k].key);
             else if (k == K_ABS)
                 fprintf(out, "%s: exact\n", rows[k].key);
             break;
@@ -1163,11 +1530,9 @@ void cns_case_print(const cns_case *c, FILE *out)
                 fprintf(out, "%s%s", j > 0 ? ", " : "", cns_case_column_name(c, j));
             fputs("]\n", out);
             break;
-        case KEY_LATER:
-            break;
         default:
             if (rows[k].section == NULL || shown)
-                print_value(c, k, rows[k].section != NULL ? "    " : "", out);
+                print_value(c, k, indent(k), out);
             break;
         }
     }
@@ -1175,16 +1540,18 @@ void cns_case_print(const cns_case *c, FILE *out)
 
 void cns_case_print_keys(FILE *out)
 {
-    fputs("A case file is YAML: keys and values, two levels deep. Values are exact: decimals, fractions and\n"
+    fputs("A case file is YAML: keys and values, at most three levels deep. Values are exact: decimals, "
+          "fractions and\n"
           "pi, as in 2.2, 1e-30, 8/3, 2*pi/3. `--set SECTION.KEY=VALUE` overrides a value.\n\n",
           out);
     for (int k = 0; k < N_KEYS; k++) {
         const key_row *row = &rows[k];
-        bool inside = row->section != NULL;
-        bool named = row->kind == KEY_INTEGER || row->kind == KEY_NUMBER || row->kind == KEY_WORD;
-        fprintf(out, "%s%-*s%s", inside ? "    " : "", inside ? 14 : 18, row->key, row->meaning);
+        const char *lead = indent((key_id)k);
+        bool named = row->kind != KEY_SECTION && row->kind != KEY_MODEL && row->kind != KEY_PARAMETERS &&
+                     row->kind != KEY_INITIAL && row->kind != KEY_COLUMNS;
+        fprintf(out, "%s%-*s%s", lead, 20 - (int)strlen(lead), row->key, row->meaning);
         if (named || row->standard != NULL)
-            fprintf(out, "\n%20s%s%s%s%s", named ? "" : "", "  ", named ? range_of(row).text : "",
+            fprintf(out, "\n%22s%s%s%s%s", named ? "" : "", "  ", named ? range_of(row).text : "",
                     named && row->standard != NULL ? "; " : "", row->standard != NULL ? "default " : "");
         if (row->standard != NULL)
             fputs(row->standard, out);

@@ -268,7 +268,7 @@ $ cat > bad.yaml; cns check bad.yaml
 2> re:^bad.yaml:3:[0-9]+: .*'digits'
 ? 2
 
-= sections of the studies are left alone
+= sections of the studies are read, too
 $ cat > a.yaml; cns check a.yaml > b.yaml
 | model: apw
 | time: {end: 300, every: 0.5}

@@ -1,0 +1,31 @@
+/* What a command that computes begins and ends with: the case, its program, signals, progress. */
+#ifndef CNS_CLI_SETUP_H
+#define CNS_CLI_SETUP_H
+
+#include "cns/case.h"
+#include "cns/solve.h"
+#include "cns/study.h"
+#include "options.h"
+#include "progress.h"
+
+typedef struct cns_setup {
+    const cns_options *o;
+    cns_case *c;
+    cns_program *program;
+    double *scales;
+    cns_study study;     /* of the case; its progress goes to the meter */
+    cns_problem problem; /* of the case; without a sink */
+    cns_meter meter;
+    double since; /* cns_seconds() at the beginning */
+} cns_setup;
+
+/* Opens the case that the command line names, builds its program, and catches SIGINT, SIGTERM and SIGHUP:
+ * the first raises the stop of study and problem, the second ends the program. An exit status; when it is
+ * not 0 the message is out and nothing has to be closed. */
+int cns_setup_open(const cns_options *o, cns_setup *s);
+void cns_setup_close(cns_setup *s);
+
+/* The exit status of `code`: its message, unless a signal is the cause, goes to standard error. */
+int cns_setup_status(cns_setup *s, cns_code code, const cns_error *err);
+
+#endif

@@ -1,0 +1,186 @@
+#include "cns/ensemble.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cns/trajectory.h"
+#include "core/files.h"
+#include "core/memory.h"
+#include "core/sha256.h"
+
+struct cns_ensemble_job {
+    struct gang *gang;
+    int number;
+    double cost, fraction;
+};
+
+/* The state of a run; every thread reads and writes it inside the critical section `ensemble`. */
+typedef struct gang {
+    const cns_ensemble *e;
+    cns_ensemble_job *jobs;
+    double total, done; /* costs of what had to be computed, and of what has been */
+    int ended, missing;
+    double next_word; /* when to speak again */
+    bool halt;        /* a job has failed */
+    cns_code *codes;
+    cns_error *errors;
+} gang;
+
+enum { WORD = 128 };
+static const double pause = 0.1; /* seconds between reports of progress */
+
+static void speak(gang *g, bool now)
+{
+    const double time = cns_seconds();
+    if (!now && time < g->next_word)
+        return;
+    g->next_word = time + pause;
+    char word[WORD];
+    snprintf(word, sizeof word, "%d of %d runs done", g->e->n - g->missing + g->ended, g->e->n);
+    cns_study_progress(g->e->study, g->total > 0 ? g->done / g->total : 1, word);
+}
+
+void cns_ensemble_tell(cns_ensemble_job *job, double fraction)
+{
+#pragma omp critical(ensemble)
+    {
+        gang *g = job->gang;
+        g->done += (fraction - job->fraction) * job->cost;
+        job->fraction = fraction;
+        speak(g, false);
+    }
+}
+
+static bool halted(gang *g)
+{
+    bool halt;
+#pragma omp critical(ensemble)
+    halt = g->halt || (g->e->study->stop != NULL && *g->e->study->stop);
+    return halt;
+}
+
+/* Files begin with a line that ties them to the job, and end with one that shows them to be whole. */
+static const char whole[] = "# complete\n";
+
+static void signature(const cns_ensemble *e, const char *name, char *line, size_t size)
+{
+    const size_t length = strlen(e->identity) + strlen(name) + 2;
+    char *all = cns_xalloc(length, 1), sum[65];
+    snprintf(all, length, "%s\n%s", e->identity, name);
+    cns_sha256_hex(sum, all, length - 1);
+    snprintf(line, size, "# cns result %s\n", sum);
+    free(all);
+}
+
+static char *path_of(const cns_ensemble *e, const char *name)
+{
+    const size_t size = strlen(e->directory) + strlen(name) + 2;
+    char *path = cns_xalloc(size, 1);
+    snprintf(path, size, "%s/%s", e->directory, name);
+    return path;
+}
+
+static char *recall(const cns_ensemble *e, int i)
+{
+    char name[CNS_ENSEMBLE_NAME], line[96];
+    e->name(e->context, i, name, sizeof name);
+    signature(e, name, line, sizeof line);
+    char *path = path_of(e, name), *text = cns_file_text(path), *result = NULL;
+    free(path);
+    const size_t length = text == NULL ? 0 : strlen(text), head = strlen(line), tail = sizeof whole - 1;
+    if (length >= head + tail && strncmp(text, line, head) == 0 && strcmp(text + length - tail, whole) == 0)
+        result = cns_xcopy_n(text + head, length - head - tail);
+    free(text);
+    return result;
+}
+
+static cns_code keep(const cns_ensemble *e, int i, const char *result, cns_error *err)
+{
+    char name[CNS_ENSEMBLE_NAME], line[96];
+    e->name(e->context, i, name, sizeof name);
+    signature(e, name, line, sizeof line);
+    const size_t size = strlen(line) + strlen(result) + sizeof whole;
+    char *path = path_of(e, name), *text = cns_xalloc(size, 1);
+    snprintf(text, size, "%s%s%s", line, result, whole);
+    cns_code code = cns_file_replace(path, text, err);
+    free(text);
+    free(path);
+    return code;
+}
+
+static void work(gang *g, cns_ensemble_job *job, char **results)
+{
+    const cns_ensemble *e = g->e;
+    const int i = job->number;
+    cns_error err = {0};
+    char *result = NULL;
+    if (halted(g))
+        return;
+    cns_code code = e->run(e->context, i, job, &result, &err);
+    if (code == CNS_OK && e->directory != NULL)
+        code = keep(e, i, result, &err);
+    results[i] = result;
+#pragma omp critical(ensemble)
+    {
+        g->codes[i] = code;
+        g->errors[i] = err;
+        g->halt = g->halt || code != CNS_OK;
+        g->done += (1 - job->fraction) * job->cost;
+        job->fraction = 1;
+        g->ended += code == CNS_OK;
+        speak(g, true);
+    }
+}
+
+static int costlier(const void *a, const void *b)
+{
+    const cns_ensemble_job *p = a, *q = b;
+    if (p->cost != q->cost)
+        return p->cost < q->cost ? 1 : -1;
+    return (p->number > q->number) - (p->number < q->number);
+}
+
+static cns_code verdict(const gang *g, cns_error *err)
+{
+    const cns_ensemble *e = g->e;
+    for (int i = 0; i < e->n; i++)
+        if (g->codes[i] != CNS_OK && g->codes[i] != CNS_STOPPED) {
+            *err = g->errors[i];
+            return g->codes[i];
+        }
+    if (g->ended < g->missing)
+        return cns_fail(err, CNS_STOPPED, "stopped with %d of %d runs done", e->n - g->missing + g->ended,
+                        e->n);
+    return CNS_OK;
+}
+
+cns_code cns_ensemble_run(const cns_ensemble *e, char **results, cns_error *err)
+{
+    for (int i = 0; i < e->n; i++)
+        results[i] = NULL;
+    if (e->directory != NULL && cns_directory_make(e->directory, err) != CNS_OK)
+        return err->code;
+    const size_t n = (size_t)e->n;
+    gang g = {.e = e,
+              .jobs = cns_xalloc(n, sizeof *g.jobs),
+              .codes = cns_xalloc(n, sizeof *g.codes),
+              .errors = cns_xalloc(n, sizeof *g.errors)};
+    for (int i = 0; i < e->n; i++) {
+        if (e->directory != NULL)
+            results[i] = recall(e, i);
+        if (results[i] != NULL)
+            continue;
+        g.jobs[g.missing] = (cns_ensemble_job){&g, i, e->cost(e->context, i), 0};
+        g.total += g.jobs[g.missing++].cost;
+    }
+    qsort(g.jobs, (size_t)g.missing, sizeof *g.jobs, costlier);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(e->study->threads)
+    for (int j = 0; j < g.missing; j++)
+        work(&g, &g.jobs[j], results);
+    cns_code code = verdict(&g, err);
+    free(g.jobs);
+    free(g.codes);
+    free(g.errors);
+    return code;
+}
