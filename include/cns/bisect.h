@@ -11,7 +11,7 @@
 
 typedef struct cns_bisect_result {
     char *lower, *upper; /* parameters that were probed, as exact decimals: the change lies between them */
-    char *critical;      /* what both ends round to, to `decimals` decimals; NULL: not even their integers agree */
+    char *critical; /* what both ends round to, to `decimals` decimals; NULL: not even their integers agree */
     char lower_mode[CNS_MODE_NAME], upper_mode[CNS_MODE_NAME];
     long decimals; /* of `critical`; fewer than asked for with CNS_UNREACHED; -1 without `critical` */
     long probes;   /* trajectories that decided, those read from the directory included */
