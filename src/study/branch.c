@@ -40,9 +40,10 @@ static void middle(mpfr_t y, const arb_t x)
         arf_get_mpfr(y, arb_midref(x), MPFR_RNDN);
 }
 
-/* p_0 and p_1: the saddle, and its unstable eigenvector, the largest component in scales 1, turned so that `along`
- * grows. */
-static cns_code begin(cns_branch *b, const cns_fixed_point *f, int along, const double *scales, cns_error *err)
+/* p_0 and p_1: the saddle, and its unstable eigenvector, the largest component in scales 1, turned so that
+ * `along` grows. */
+static cns_code begin(cns_branch *b, const cns_fixed_point *f, int along, const double *scales,
+                      cns_error *err)
 {
     int unstable = 0, stable = 0, largest = 0;
     double size = 0;
@@ -66,7 +67,8 @@ static cns_code begin(cns_branch *b, const cns_fixed_point *f, int along, const 
         }
     }
     for (int i = 0; i < b->d; i++) { /* any complex multiple of a real vector may have come */
-        acb_div(turned, acb_mat_entry(f->right, i, 0), acb_mat_entry(f->right, largest, 0), (slong)b->prec + 64);
+        acb_div(turned, acb_mat_entry(f->right, i, 0), acb_mat_entry(f->right, largest, 0),
+                (slong)b->prec + 64);
         middle(coefficient(b, 0)[i], f->x + i);
         middle(coefficient(b, 1)[i], acb_realref(turned));
         mpfr_mul_d(coefficient(b, 1)[i], coefficient(b, 1)[i], scales[largest], MPFR_RNDN);
@@ -88,8 +90,8 @@ static cns_code compose(cns_jet *J, const cns_branch *b, int n, cns_error *err)
 }
 
 /* (n lambda - J) p_n = r_n, r_n being coefficient n of f(x) with p_n = 0. */
-static cns_code solve_order(cns_jet *J, const cns_branch *b, const cns_fixed_point *f, int n, arb_mat_t matrix,
-                            arb_mat_t rest, mpfr_t y, cns_error *err)
+static cns_code solve_order(cns_jet *J, const cns_branch *b, const cns_fixed_point *f, int n,
+                            arb_mat_t matrix, arb_mat_t rest, mpfr_t y, cns_error *err)
 {
     const slong prec = (slong)b->prec;
     for (int i = 0; i < b->d; i++)
@@ -119,11 +121,8 @@ static cns_code solve_order(cns_jet *J, const cns_branch *b, const cns_fixed_poi
 
 static cns_code expand(cns_branch *b, const cns_reduced *r, const cns_fixed_point *f, cns_error *err)
 {
-    cns_jet_spec spec = {.program = r->field,
-                         .ops = &cns_arith_mpfr,
-                         .order = b->order,
-                         .prec = b->prec,
-                         .registers = 1};
+    cns_jet_spec spec = {
+        .program = r->field, .ops = &cns_arith_mpfr, .order = b->order, .prec = b->prec, .registers = 1};
     cns_jet *J = cns_jet_new(&spec, err);
     arb_mat_t matrix, rest;
     mpfr_t y;
@@ -184,8 +183,9 @@ static void slope_at(const cns_branch *b, const mpfr_t s, int i, mpfr_t slope, m
     mpfr_mul(slope, slope, b->lambda, MPFR_RNDN);
 }
 
-/* lambda s x'(s) against f(x(s)), evaluated pointwise with true absolute values and more bits, here and there on the
- * way to the start: says whether the series is the branch, and on the side of every kink that was assumed. */
+/* lambda s x'(s) against f(x(s)), evaluated pointwise with true absolute values and more bits, here and there
+ * on the way to the start: says whether the series is the branch, and on the side of every kink that was
+ * assumed. */
 static cns_code check(const cns_branch *b, const cns_reduced *r, const double *scales, cns_error *err)
 {
     const mpfr_prec_t prec = b->prec + CHECK_BITS;
@@ -214,10 +214,11 @@ static cns_code check(const cns_branch *b, const cns_reduced *r, const double *s
             mpfr_sub(slope, slope, f, MPFR_RNDN);
             const double off = mpfr_zero_p(slope) ? -HUGE_VAL : cns_log2_mpfr(slope);
             if (off - cns_log2_2exp(scales[i], 0) > SLACK_BITS - (double)b->prec)
-                code = cns_fail(err, CNS_NUMERIC,
-                                "the series of its unstable manifold does not solve the equations (state %d is off "
-                                "by 2^%.0f)",
-                                i, off);
+                code = cns_fail(
+                    err, CNS_NUMERIC,
+                    "the series of its unstable manifold does not solve the equations (state %d is off "
+                    "by 2^%.0f)",
+                    i, off);
         }
     }
     mpfr_clears(at, slope, f, (mpfr_ptr)0);

@@ -11,17 +11,17 @@
 
 enum {
     MAX_IMAGES = 32,
-    WORDS = 3,             /* images under so many symmetries in a row */
-    EXTRA_BITS = 64,       /* of the fixed point above the branch */
-    VARIANT_DIGITS = 7,    /* by which the second variant is finer */
+    WORDS = 3,          /* images under so many symmetries in a row */
+    EXTRA_BITS = 64,    /* of the fixed point above the branch */
+    VARIANT_DIGITS = 7, /* by which the second variant is finer */
     CROSSING_TURNS = 200,
-    SLOW_TIMES = 40        /* unstable time constants that a passage may take besides those the digits last */
+    SLOW_TIMES = 40 /* unstable time constants that a passage may take besides those the digits last */
 };
 
 /* In units of eigenvectors whose largest component is one scale of the model. */
-static const double near = 0.5;     /* what counts as having come near a saddle */
+static const double near = 1;       /* what counts as having come near a saddle */
 static const double leaving = 0.05; /* the coordinate along the unstable direction that counts as leaving */
-static const double apart = 1;      /* so far away it has to have been from the saddle it began at */
+static const double apart = 1.5;    /* so far away it has to have been from the saddle it began at */
 
 /* The saddle's image under a symmetry: its place, and the coordinates there. */
 typedef struct image {
@@ -42,10 +42,10 @@ typedef struct probe {
     mpfr_prec_t prec;
     image images[MAX_IMAGES];
     int n_images;
-    mpfr_t *row;           /* the left unstable eigenvector, with row p_1 = 1 */
-    double *re, *im;       /* the other left eigenvectors, d x d, for distances */
+    mpfr_t *row;     /* the left unstable eigenvector, with row p_1 = 1 */
+    double *re, *im; /* the other left eigenvectors, d x d, for distances */
     mpfr_t *x, *difference;
-    bool away;             /* has left the saddle it began at */
+    bool away; /* has left the saddle it began at */
 } probe;
 
 static mpfr_t *numbers(int n, mpfr_prec_t prec)
@@ -133,8 +133,8 @@ static void find_images(probe *p)
 
 /* Coordinates. */
 
-/* Rows of the left eigenvectors, such that right eigenvectors with a largest component of one scale have coordinate
- * 1. */
+/* Rows of the left eigenvectors, such that right eigenvectors with a largest component of one scale have
+ * coordinate 1. */
 static void find_rows(probe *p)
 {
     const int d = p->d;
@@ -205,19 +205,26 @@ static void coordinates(const probe *p, const image *m, const mpfr_t *x, double 
     }
 }
 
-/* The moment within the last step at which |u| becomes `leaving`, by the secant method on its logarithm, which is
- * almost linear in time; bisection where that leads out. */
+/* The moment within the last step at which |u| becomes `leaving`, by the secant method on its logarithm,
+ * which is almost linear in time; bisection where that leads out. */
 static void find_leaving(probe *p, const image *m, mpfr_t t, mpfr_t u)
 {
     const mpfr_prec_t prec = p->prec + EXTRA_BITS;
     mpfr_t low, high, value, before, at_before, step;
     mpq_t exact;
+    int turns = CROSSING_TURNS;
     mpq_init(exact);
     mpfr_inits2(prec, low, high, value, before, at_before, step, (mpfr_ptr)0);
     mpfr_set(low, cns_flow_begin(p->flow), MPFR_RNDN);
     mpfr_set(high, cns_flow_end(p->flow), MPFR_RNDN);
     mpfr_set(t, high, MPFR_RNDN);
-    for (int turn = 0; turn < CROSSING_TURNS; turn++) {
+    unstable_coordinate(p, m, cns_flow_begin_state(p->flow), u);
+    if (fabs(mpfr_get_d(u, MPFR_RNDN)) >=
+        leaving) { /* it never was nearer: a wide miss, of which the side is what counts */
+        unstable_coordinate(p, m, cns_flow_state(p->flow), u);
+        turns = 0;
+    }
+    for (int turn = 0; turn < turns; turn++) {
         mpfr_get_q(exact, t);
         cns_flow_eval(p->flow, exact, p->x);
         unstable_coordinate(p, m, (const mpfr_t *)p->x, u);
@@ -281,12 +288,11 @@ static const image *left_image(probe *p)
             p->away = fmax(u1, others) > apart;
             continue;
         }
-        const bool approached = m->approached;
-        m->approached = approached ? fmax(u1, others) < 2 * near : fmax(u1, others) < near;
-        if (!approached || u1 < leaving || others > u1)
+        m->approached = m->approached ? fmax(u1, others) < 2 * near : fmax(u1, others) < near;
+        if (!m->approached || u1 < leaving || others > u1)
             continue;
         coordinates(p, m, cns_flow_begin_state(p->flow), &u0, &others);
-        if (u0 < leaving)
+        if (u0 < u1)
             return m;
     }
     return NULL;
@@ -308,8 +314,9 @@ static cns_code follow(probe *p, double horizon, cns_passage *result,
         if (tell != NULL)
             tell(context, fmin(t / horizon, 1));
         if (t > horizon)
-            return cns_fail(err, CNS_NUMERIC,
-                            "t = %.4g: the unstable manifold has not come near the next saddle and left it again", t);
+            return cns_fail(
+                err, CNS_NUMERIC,
+                "t = %.4g: the unstable manifold has not come near the next saddle and left it again", t);
     }
 }
 
@@ -359,7 +366,8 @@ static cns_code prepare(probe *p, const cns_passage_spec *spec, cns_error *err)
     cns_program *program;
     cns_error inner;
     if (m->connection == NULL || m->equilibria == NULL)
-        return cns_fail(err, CNS_USAGE, "the model %s names no saddle whose unstable manifold to follow", m->name);
+        return cns_fail(err, CNS_USAGE, "the model %s names no saddle whose unstable manifold to follow",
+                        m->name);
     cns_code code = cns_study_program(p->s, &program, err);
     if (code)
         return code;
@@ -384,8 +392,8 @@ static cns_code prepare(probe *p, const cns_passage_spec *spec, cns_error *err)
         return code;
     /* Two terms in three of a series that would go half way to its next singularity; three in four. */
     const int order = (int)((double)p->prec * (spec->variant > 0 ? 0.3 : 0.25)) + 10;
-    code = cns_branch_open(&p->branch, &p->reduced, &p->saddle, p->along, p->scales, order, p->prec + EXTRA_BITS,
-                           &inner);
+    code = cns_branch_open(&p->branch, &p->reduced, &p->saddle, p->along, p->scales, order,
+                           p->prec + EXTRA_BITS, &inner);
     if (code)
         return cns_fail(err, code, "%s: %s", m->connection->saddle, inner.text);
     find_rows(p);
@@ -436,8 +444,8 @@ cns_code cns_manifold_passage(const cns_study *s, const cns_passage_spec *spec, 
     probe p = {.s = s};
     cns_code code = prepare(&p, spec, err);
     if (!code) {
-        const double horizon = (SLOW_TIMES + 2.302585092994046 * (double)spec->digits) /
-                               mpfr_get_d(p.branch.lambda, MPFR_RNDN);
+        const double horizon =
+            (SLOW_TIMES + 2.302585092994046 * (double)spec->digits) / mpfr_get_d(p.branch.lambda, MPFR_RNDN);
         code = follow(&p, horizon, result, tell, context, err);
     }
     dispose(&p);
