@@ -20,6 +20,7 @@ typedef struct cns_trajectory_spec {
     bool origins;              /* follow growth from times spread evenly up to `end`, for planning */
     double end;
     bool outputs;      /* compute the program's outputs, too */
+    bool no_growth;    /* do not follow growth: samples have neither growth nor error */
     double unit_noise; /* if not 0, log2 of the noise of every step, instead of the flow's own */
     double deadline;   /* of cns_seconds(); 0: none. After it, CNS_STOPPED with stopped_late */
 } cns_trajectory_spec;

@@ -60,6 +60,7 @@ static cns_code walk_init(walk *w, const cns_problem *p, const cns_flow_spec *fi
     w->digits = fine->arithmetic == CNS_ARITH_DOUBLE ? DOUBLE_PRINTED : digits;
     w->text = cns_xalloc((size_t)p->n_columns + 1, sizeof *w->text);
     spec.flow.verify = coarse != NULL;
+    spec.no_growth = coarse != NULL; /* the coarser run's will do: it is the same trajectory */
     w->fine = cns_trajectory_new(&spec, err);
     if (!w->fine)
         return err->code;
@@ -69,6 +70,7 @@ static cns_code walk_init(walk *w, const cns_problem *p, const cns_flow_spec *fi
         return CNS_OK;
     spec.flow = *coarse;
     spec.flow.verify = true;
+    spec.no_growth = false;
     w->coarse = cns_ahead_new(p, &spec, first_row, p->threads > 1, err);
     return w->coarse ? CNS_OK : err->code;
 }
@@ -235,7 +237,7 @@ static cns_code emit(walk *w, unsigned long row, cns_places places, long count, 
 {
     const cns_sink *sink = w->p->sink;
     write_texts(w, row, places, count);
-    cns_row out = {.text = w->text, .decimals = as_decimals(w, places, count), .growth = w->s.growth};
+    cns_row out = {.text = w->text, .decimals = as_decimals(w, places, count), .growth = w->coarse ? w->c->growth : w->s.growth};
     if (w->coarse && (result->rows == 0 || out.decimals < result->decimals))
         result->decimals = out.decimals;
     result->rows++;

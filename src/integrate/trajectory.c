@@ -52,10 +52,12 @@ cns_trajectory *cns_trajectory_new(const cns_trajectory_spec *spec, cns_error *e
     }
     t->spec = *spec;
     t->flow = cns_flow_new(&spec->flow, err);
-    t->growth = t->flow ? cns_growth_new(spec->flow.program, spec->flow.scales, err) : NULL;
+    const bool follows = t->flow && !spec->no_growth;
+    t->growth = follows ? cns_growth_new(spec->flow.program, spec->flow.scales, err) : NULL;
     mpfr_init2(t->x, t->flow ? cns_flow_prec(t->flow) : MPFR_PREC_MIN);
     bool wanted = spec->outputs && cns_program_outputs(spec->flow.program) > 0;
-    if (t->growth && wanted) {
+    const bool failed = !t->flow || (follows && !t->growth);
+    if (!failed && wanted) {
         cns_jet_spec jet = {.program = spec->flow.program,
                             .ops = cns_flow_plain_arith(&spec->flow),
                             .order = OUTPUT_ORDER,
@@ -63,12 +65,13 @@ cns_trajectory *cns_trajectory_new(const cns_trajectory_spec *spec, cns_error *e
                             .outputs = true};
         t->outputs = cns_jet_new(&jet, err);
     }
-    if (!t->growth || (wanted && !t->outputs)) {
+    if (failed || (wanted && !t->outputs)) {
         cns_trajectory_free(t);
         return NULL;
     }
     cns_flow_start(t->flow, spec->initial);
-    cns_growth_start(t->growth);
+    if (follows)
+        cns_growth_start(t->growth);
     return t;
 }
 
@@ -112,6 +115,8 @@ cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, c
         cns_code code = cns_flow_step(t->flow, err);
         if (code)
             return code;
+        if (t->spec.no_growth)
+            continue;
         double noise = t->spec.unit_noise != 0 ? t->spec.unit_noise : cns_flow_noise_log2(t->flow);
         code = cns_growth_follow(t->growth, t->flow, noise, err);
         if (!code && t->spec.origins && origin_is_due(t))
@@ -122,7 +127,9 @@ cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, c
     cns_flow_eval(t->flow, time, s->state);
     if (t->outputs)
         evaluate_outputs(t, s);
-    return cns_growth_at(t->growth, time, &s->growth, &s->error_log2, err);
+    s->growth = 0;
+    s->error_log2 = -HUGE_VAL;
+    return t->spec.no_growth ? CNS_OK : cns_growth_at(t->growth, time, &s->growth, &s->error_log2, err);
 }
 
 cns_flow *cns_trajectory_flow(cns_trajectory *t)
