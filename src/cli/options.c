@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cns/equilibria.h"
 #include "commands.h"
 #include "core/memory.h"
 #include "core/text.h"
@@ -14,6 +15,16 @@ static const cns_command commands[] = {
      "With `goal` the program finds digits, order and steps by itself and proves every decimal\n"
      "it prints with a second, finer run. With `numerics` it computes as told; --prove adds the\n"
      "second run.\n"},
+    {"equilibria", cns_cmd_equilibria, "CASE", 1, 1, "fixed points, eigenvalues, stability",
+     "Fixed points of the states that feed back, such as the ways in which a disk can fall steadily,\n"
+     "with the eigenvalues of the equations linearised there. All digits are proven in ball\n"
+     "arithmetic. Only the case's model, parameters and abs matter.\n"},
+    {"bisect", cns_cmd_bisect, "CASE", 1, 1, "the critical value of a parameter between two modes",
+     "The section `bisect` of the case names a parameter, a bracket and how many decimals to find.\n"
+     "by: manifold follows the unstable manifold of a saddle to the next one and asks on which side\n"
+     "it passes; the zero of the distance is found by secants of rising precision. Both ends of the\n"
+     "last bracket are probed twice, with different digits, orders and steps. With -o DIR every\n"
+     "probe is kept there, and the same command goes on where it was stopped.\n"},
     {"check", cns_cmd_check, "CASE", 1, 1, "check a case file and print it with all defaults filled in",
      "All faults are reported, one per line, with line and column. What is printed is a case\n"
      "file again (sections of studies left out), with the overrides of --set applied.\n"
@@ -32,6 +43,7 @@ typedef enum option_id {
     O_YAML,
     O_SET,
     O_PROVE,
+    O_DIGITS,
     O_THREADS,
     O_QUIET,
     O_VERBOSE,
@@ -50,13 +62,14 @@ typedef struct option_row {
 
 /* clang-format off */
 static const option_row options[] = {
-    {O_OUTPUT,  "output",  'o', "FILE", " run ", "write the table to FILE, written aside and renamed"},
-    {O_YAML,    "yaml",     0,  NULL,   " run ", "a summary as YAML; the table only with -o"},
-    {O_SET,     "set",      0,  "K=V",  " run check ", "override a value: --set numerics.digits=80 (repeatable)"},
+    {O_OUTPUT,  "output",  'o', "FILE", " run bisect ", "write the table to FILE, written aside and renamed; bisect: keep probes in this directory"},
+    {O_YAML,    "yaml",     0,  NULL,   " run equilibria bisect ", "a summary as YAML; the table only with -o"},
+    {O_SET,     "set",      0,  "K=V",  " run equilibria bisect check ", "override a value: --set numerics.digits=80 (repeatable)"},
     {O_PROVE,   "prove",    0,  NULL,   " run ", "prove a run by hand with a second, finer one"},
-    {O_THREADS, "threads",  0,  "N",    " run ", "at most N threads; the results do not depend on it"},
-    {O_QUIET,   "quiet",   'q', NULL,   " run check ", "no progress and no notes; errors only"},
-    {O_VERBOSE, "verbose", 'v', NULL,   " run ", "say more about what is done"},
+    {O_DIGITS,  "digits",   0,  "N",    " equilibria ", "digits after the point (default 30)"},
+    {O_THREADS, "threads",  0,  "N",    " run bisect ", "at most N threads; the results do not depend on it"},
+    {O_QUIET,   "quiet",   'q', NULL,   " run equilibria bisect check ", "no progress and no notes; errors only"},
+    {O_VERBOSE, "verbose", 'v', NULL,   " run bisect ", "say more about what is done"},
     {O_VERSION, "version",  0,  NULL,   NULL,    "print the version and those of the libraries"},
     {O_HELP,    "help",    'h', NULL,   NULL,    "describe the command"},
 };
@@ -150,6 +163,17 @@ static cns_code parse_threads(parser *p, const char *text)
     return CNS_OK;
 }
 
+static cns_code parse_digits(parser *p, const char *text)
+{
+    char *end;
+    long n = text[0] >= '0' && text[0] <= '9' ? strtol(text, &end, 10) : 0;
+    if (n < 1 || n > CNS_EQUILIBRIA_MAX_DECIMALS || *end != '\0')
+        return cns_fail(p->err, CNS_USAGE, "--digits takes an integer from 1 to %d, not '%s'",
+                        CNS_EQUILIBRIA_MAX_DECIMALS, cns_quote(text).text);
+    p->o->digits = n;
+    return CNS_OK;
+}
+
 static cns_code take(parser *p, const option_row *row, const char *value)
 {
     cns_options *o = p->o;
@@ -172,6 +196,8 @@ static cns_code take(parser *p, const option_row *row, const char *value)
     case O_PROVE:
         o->prove = true;
         break;
+    case O_DIGITS:
+        return parse_digits(p, value);
     case O_THREADS:
         return parse_threads(p, value);
     case O_QUIET:

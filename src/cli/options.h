@@ -18,6 +18,7 @@ typedef struct cns_options {
     const char *output; /* -o; NULL: standard output */
     bool yaml, prove, quiet;
     int verbose; /* how many -v */
+    long digits; /* --digits; 0: the command's choice */
     int threads; /* 0: as many as there are processors */
     bool help, version;
     const char **list; /* room for operands and sets */

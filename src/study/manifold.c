@@ -112,6 +112,9 @@ static cns_code run(void *context, int i, cns_ensemble_job *handle, char **resul
                       "parameter: %s\nside: %d\nmiss: %.*Re\ntime: %.12g\nlambda: %.17g\nsteps: %ld\n",
                       j->text, passage.side, (int)j->digits + MISS_DIGITS, passage.miss, passage.time,
                       passage.lambda, passage.steps);
+    } else if (code == CNS_UNREACHED) { /* a result, too: more digits are needed */
+        *result = cns_xcopy("side: 0\nmiss: 0\n");
+        code = CNS_OK;
     } else {
         cns_fail(err, code, "%s = %.40s: %s", f->s->model->parameters[f->spec->parameter].name, j->text,
                  inner.text);
@@ -130,7 +133,7 @@ static bool read_result(const char *text, point *p)
         return false;
     p->side = (int)strtol(side + 6, NULL, 10);
     mpfr_strtofr(p->miss, miss + 6, NULL, 10, MPFR_RNDN);
-    return (p->side == 1 || p->side == -1) && mpfr_regular_p(p->miss) && mpfr_sgn(p->miss) == p->side;
+    return mpfr_number_p(p->miss) && mpfr_sgn(p->miss) == p->side; /* 0: not told */
 }
 
 /* Runs the jobs of b; points[i] gets what job i says. */
@@ -257,7 +260,9 @@ static double estimate(search *f, mpfr_t x)
         if (f->n_recent == RECENT) /* a's own error shows now */
             f->gain_log10 =
                 1 - to_a + agreement(f, a->value, b->value) + agreement(f, a->value, f->recent[2].value);
-        return to_a + to_b - f->gain_log10;
+        /* Decimals grow by no larger a factor than they did before: less than secants give a smooth function
+         * where the passage itself adds powers of the miss that are not whole. */
+        return fmin(to_a + to_b - f->gain_log10, to_a * to_a / fmax(to_b, 1) - 1);
     }
     mpfr_add(x, f->lower.value, f->upper.value, MPFR_RNDN);
     mpfr_div_2ui(x, x, 1, MPFR_RNDN);
@@ -265,20 +270,28 @@ static double estimate(search *f, mpfr_t x)
     return agreement(f, f->lower.value, f->upper.value);
 }
 
-/* Probes an estimate of so many decimals. */
-static cns_code narrow(search *f, const mpfr_t x, double decimals, cns_error *err)
+/* Probes an estimate of so many decimals, with more digits where these do not tell the side. *hit: not even
+ * those do that the last bracket will have, so that x is right to all decimals asked for, and more. */
+static cns_code narrow(search *f, const mpfr_t x, double decimals, bool *hit, cns_error *err)
 {
-    const long places = (long)fmax(decimals, 0) + SPARE_DECIMALS;
-    const double next =
-        fmin(decimals + agreement(f, x, f->recent[0].value), (double)(f->spec->decimals + f->spare));
-    const long digits = (long)fmax(next, decimals) + GUARD_DIGITS;
+    const long places = (long)fmax(decimals, 0) + SPARE_DECIMALS,
+               most = f->spec->decimals + f->spare + GUARD_DIGITS;
+    const double next = fmin(decimals + agreement(f, x, f->recent[0].value), (double)(most - GUARD_DIGITS));
+    long digits = (long)fmax(next, decimals) + GUARD_DIGITS;
     char *text = cns_text_mpfr(x, CNS_PLACES_DECIMALS, places);
     point p, *out[1] = {&p};
+    cns_code code = CNS_OK;
     point_init(&p, f->prec);
     point_set(&p, text);
-    batch b = {.n = 1, .jobs = {{.text = text, .digits = digits > LEAST_DIGITS ? digits : LEAST_DIGITS}}};
-    cns_code code = probe(f, &b, out, err);
-    if (!code)
+    *hit = false;
+    for (bool told = false; !code && !told && !*hit; digits += digits / 2) {
+        digits = digits < LEAST_DIGITS ? LEAST_DIGITS : digits > most ? most : digits;
+        batch b = {.n = 1, .jobs = {{.text = text, .digits = digits}}};
+        code = probe(f, &b, out, err);
+        told = p.side != 0;
+        *hit = !code && !told && digits == most;
+    }
+    if (!code && !*hit)
         learn(f, &p);
     point_clear(&p);
     free(text);
@@ -294,7 +307,7 @@ static bool agree(const search *f, const point *a, const point *b)
     mpfr_init2(difference, f->prec);
     mpfr_sub(difference, a->miss, b->miss, MPFR_RNDN);
     mpfr_mul_ui(difference, difference, 100, MPFR_RNDN);
-    const bool same = a->side == b->side && mpfr_cmpabs(difference, a->miss) <= 0;
+    const bool same = a->side != 0 && a->side == b->side && mpfr_cmpabs(difference, a->miss) <= 0;
     mpfr_clear(difference);
     return same;
 }
@@ -358,9 +371,9 @@ static cns_code prove(search *f, const mpfr_t x, bool *done, cns_error *err)
             "two probes of the same parameter with different numerics do not agree within a hundredth "
             "of their distance from the connection");
     if (!code && !straddles && p[0].side == p[2].side) {
-        learn(f, &p[0]);
-        learn(f, &p[2]);
-        f->gain_log10 += 3;
+        learn(
+            f,
+            &p[mpfr_cmpabs(p[0].miss, p[2].miss) < 0 ? 0 : 2]); /* the zero is farther off than was thought */
     } else if (!code && !straddles) {
         if (-cns_log2_mpfr(p[0].miss) * CNS_LOG10_2 < (double)places / 2)
             code = cns_fail(
@@ -368,8 +381,8 @@ static cns_code prove(search *f, const mpfr_t x, bool *done, cns_error *err)
                 "the side changes by a jump near %s, not because the manifolds connect: give a narrower "
                 "bracket",
                 texts[0]);
-        report(f, &p[0], &p[2]);
         if (!code) {
+            report(f, &p[0], &p[2]);
             f->r->critical = cns_xcopy(rounded[0]);
             f->r->decimals = f->spec->decimals;
             *done = true;
@@ -395,6 +408,10 @@ static cns_code ends(search *f, cns_error *err)
     cns_code code = probe(f, &b, out, err);
     if (code)
         return code;
+    if (f->lower.side == 0 || f->upper.side == 0)
+        return cns_fail(err, CNS_UNREACHED,
+                        "an end of the bracket lies on the connection within %d digits: widen it",
+                        LEAST_DIGITS);
     report(f, &f->lower, &f->upper);
     if (f->lower.side == f->upper.side)
         return cns_fail(
@@ -411,22 +428,23 @@ static cns_code iterate(search *f, cns_error *err)
     mpfr_t x;
     cns_code code = ends(f, err);
     int proofs = 0;
-    bool done = false;
+    bool done = false, hit = false;
     mpfr_init2(x, f->prec);
     while (!code && !done) {
-        const double decimals = f->known = estimate(f, x);
+        const double decimals = f->known = hit ? (double)(f->spec->decimals + f->spare + 2) : estimate(f, x);
         if (f->r->probes >= MAX_PROBES || proofs >= MAX_PROOFS) {
             code = cns_fail(err, CNS_UNREACHED, "%ld probes have not led to a connection", f->r->probes);
         } else if (decimals > (double)(f->spec->decimals + f->spare + 1)) {
             snprintf(f->word, sizeof f->word, "proving both ends of the last bracket, with two numerics");
             proofs++;
+            hit = false;
             code = prove(f, x, &done, err);
         } else {
             snprintf(f->word, sizeof f->word, "probe %ld, an estimate of some %.0f decimals",
                      f->r->probes + 1, fmax(decimals, 0));
-            code = narrow(f, x, decimals, err);
+            code = narrow(f, x, decimals, &hit, err);
         }
-        if (!done && (!code || code == CNS_UNREACHED || code == CNS_STOPPED))
+        if (!done)
             report(f, &f->lower, &f->upper);
     }
     mpfr_clear(x);

@@ -11,11 +11,12 @@
 
 enum {
     MAX_IMAGES = 32,
-    WORDS = 3,          /* images under so many symmetries in a row */
-    EXTRA_BITS = 64,    /* of the fixed point above the branch */
-    VARIANT_DIGITS = 7, /* by which the second variant is finer */
+    WORDS = 3,           /* images under so many symmetries in a row */
+    EXTRA_BITS = 64,     /* of the fixed point above the branch */
+    VARIANT_DIGITS = 16, /* by which the second variant is finer: a limb of the fast arithmetic */
     CROSSING_TURNS = 200,
-    SLOW_TIMES = 40 /* unstable time constants that a passage may take besides those the digits last */
+    NOISE_DIGITS = 5, /* what the way to the next saddle may make of the last digits */
+    SLOW_TIMES = 40   /* unstable time constants that a passage may take besides those the digits last */
 };
 
 /* In units of eigenvectors whose largest component is one scale of the model. */
@@ -256,8 +257,14 @@ static void find_leaving(probe *p, const image *m, mpfr_t t, mpfr_t u)
     mpq_clear(exact);
 }
 
+static cns_code too_near(long digits, cns_error *err)
+{
+    return cns_fail(err, CNS_UNREACHED,
+                    "the next saddle is passed so near that %ld digits do not tell on which side", digits);
+}
+
 /* miss = u e^(-lambda t) / s: what the coordinate was at s = 1, had it always grown like this. */
-static void finish(probe *p, const image *m, cns_passage *result)
+static cns_code finish(probe *p, const image *m, long digits, cns_passage *result, cns_error *err)
 {
     mpfr_t t, u, factor;
     mpfr_inits2(p->prec + EXTRA_BITS, t, u, factor, (mpfr_ptr)0);
@@ -275,6 +282,9 @@ static void finish(probe *p, const image *m, cns_passage *result)
     result->lambda = mpfr_get_d(p->branch.lambda, MPFR_RNDN);
     result->steps = cns_flow_steps(p->flow);
     mpfr_clears(t, u, factor, (mpfr_ptr)0);
+    return cns_log2_mpfr(result->miss) < -(double)(digits - NOISE_DIGITS) * CNS_LOG2_10
+               ? too_near(digits, err)
+               : CNS_OK;
 }
 
 /* The image that the last step has left, or NULL. */
@@ -298,7 +308,7 @@ static const image *left_image(probe *p)
     return NULL;
 }
 
-static cns_code follow(probe *p, double horizon, cns_passage *result,
+static cns_code follow(probe *p, double horizon, long digits, cns_passage *result,
                        void (*tell)(void *context, double fraction), void *context, cns_error *err)
 {
     for (;;) {
@@ -307,12 +317,13 @@ static cns_code follow(probe *p, double horizon, cns_passage *result,
             return code;
         const double t = mpfr_get_d(cns_flow_end(p->flow), MPFR_RNDN);
         const image *m = left_image(p);
-        if (m != NULL) {
-            finish(p, m, result);
-            return CNS_OK;
-        }
+        if (m != NULL)
+            return finish(p, m, digits, result, err);
         if (tell != NULL)
             tell(context, fmin(t / horizon, 1));
+        for (int k = 0; k < p->n_images && t > horizon; k++)
+            if (p->images[k].approached)
+                return too_near(digits, err);
         if (t > horizon)
             return cns_fail(
                 err, CNS_NUMERIC,
@@ -352,9 +363,9 @@ static cns_flow_spec numerics(const probe *p, long digits, int variant)
                            .method = CNS_METHOD_TAYLOR,
                            .arithmetic = CNS_ARITH_FAST,
                            .prec = cns_digits_to_bits(digits),
-                           .order = cns_order_for(tolerance_log2, CNS_ARITH_FAST) + (variant > 0 ? 5 : 0),
+                           .order = cns_order_for(tolerance_log2, CNS_ARITH_FAST),
                            .tolerance_log2 = tolerance_log2,
-                           .safety = variant > 0 ? 0.75 : 0.5,
+                           .safety = variant > 0 ? 0.1 : 0,
                            .verify = true,
                            .stop = p->s->stop};
 }
@@ -446,7 +457,7 @@ cns_code cns_manifold_passage(const cns_study *s, const cns_passage_spec *spec, 
     if (!code) {
         const double horizon =
             (SLOW_TIMES + 2.302585092994046 * (double)spec->digits) / mpfr_get_d(p.branch.lambda, MPFR_RNDN);
-        code = follow(&p, horizon, result, tell, context, err);
+        code = follow(&p, horizon, spec->digits, result, tell, context, err);
     }
     dispose(&p);
     return code;
