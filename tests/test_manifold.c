@@ -465,6 +465,45 @@ START_TEST(test_passage)
 }
 END_TEST
 
+/* The period of the motion that a disk settles to near the connection: two saddles are passed in it. */
+static double period_at(bench *b, const char *inertia, double *lambda)
+{
+    const cns_passage_spec spec = {.digits = 30, .passes = 4};
+    cns_passage p;
+    cns_passage_init(&p, 200);
+    check_ok(cns_number_parse(&b->parameters[0], inertia, &b->err), &b->err);
+    check_ok(cns_manifold_passage(&b->study, &spec, &p, NULL, NULL, &b->err), &b->err);
+    *lambda = p.lambda;
+    const double period = 2 * p.interval;
+    cns_passage_clear(&p);
+    return period;
+}
+
+/* T = T0 + (2 / lambda) ln(1 / |I - I_c|) on both sides, over nine decades; and periods measured before, from
+ * whole trajectories of another program, to two decimals. */
+START_TEST(test_period_law)
+{
+    static const char *const near[2][2] = {{"1.219046631202134125", "1.219246631202134125"},  /* 1e-4 */
+                                           {"1.219146631202034125", "1.219146631202234125"}}; /* 1e-13 */
+    static const char *const measured[] = {"1.2190", "1.2191", "1.2192"};
+    static const double periods[] = {50.66, 56.67, 55.98};
+    bench b;
+    double lambda;
+    bench_open(&b, cns_model_find("apw"), "1.21", "1.23", 20);
+    for (int side = 0; side < 2; side++) {
+        const double far = period_at(&b, near[0][side], &lambda),
+                     close = period_at(&b, near[1][side], &lambda);
+        const double slope = (close - far) / (9 * log(10)), error = slope * lambda / 2 - 1;
+        ck_assert_msg(fabs(error) < 3e-4, "side %d: the slope is off by %g", side, error);
+        ck_assert(fabs(close - 2 / lambda * 13 * log(10) - 4.3708) < 1e-3);
+    }
+    for (int i = 0; i < 3; i++)
+        ck_assert_msg(fabs(period_at(&b, measured[i], &lambda) - periods[i]) < 0.0051, "%s: %.4f",
+                      measured[i], period_at(&b, measured[i], &lambda));
+    bench_close(&b);
+}
+END_TEST
+
 /* A second bisection with the same directory computes nothing, and more decimals use what is there. */
 START_TEST(test_store)
 {
@@ -501,6 +540,7 @@ Suite *suite_manifold(void)
     tcase_add_test(t, test_refusals);
     tcase_add_test(t, test_disk);
     tcase_add_test(t, test_passage);
+    tcase_add_test(t, test_period_law);
     tcase_add_test(t, test_store);
     suite_add_tcase(s, t);
     return s;

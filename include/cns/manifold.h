@@ -24,13 +24,18 @@
 typedef struct cns_passage_spec {
     long digits; /* of the arithmetic; the manifold's start is right to so many */
     int variant; /* 0 or 1 */
+    int passes;  /* how many saddles to pass, one after another: 0 and 1 mean the first */
 } cns_passage_spec;
 
+/* Of the last saddle that was passed. Near a connection motions settle down to a periodic one, in some few
+ * passes where it attracts: its period is the interval times the passes in it. */
 typedef struct cns_passage {
     int side;      /* 1: beyond; -1: back (see cns_model_connection) */
-    mpfr_t miss;   /* signed, in units of the eigenvectors, 1 being as far away as scales of the model say */
+    mpfr_t miss;   /* of the first saddle: signed, in units of the eigenvectors, 1 being as far away as scales
+                      of the model say */
     double time;   /* from the branch's parameter s = 1 until it leaves the next saddle */
     double lambda; /* the unstable eigenvalue */
+    double interval; /* between the last two departures; 0 after one */
     long steps;
 } cns_passage;
 

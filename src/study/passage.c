@@ -10,8 +10,8 @@
 #include "num/logs.h"
 
 enum {
-    MAX_IMAGES = 32,
-    WORDS = 3,           /* images under so many symmetries in a row */
+    MAX_IMAGES = 128,
+    MORE_WORDS = 2,      /* images under so many symmetries in a row, besides one for each pass */
     EXTRA_BITS = 64,     /* of the fixed point above the branch */
     VARIANT_DIGITS = 16, /* by which the second variant is finer: a limb of the fast arithmetic */
     CROSSING_TURNS = 200,
@@ -29,6 +29,7 @@ typedef struct image {
     mpfr_t *x;
     signed char *sign; /* of the symmetry: the Jacobian there is that of the saddle with these signs */
     int turn;          /* 1 or -1: the sign with which the unstable eigenvector is taken */
+    bool behind;       /* the motion comes from there, and has not been far away yet */
     bool approached;
 } image;
 
@@ -46,7 +47,6 @@ typedef struct probe {
     mpfr_t *row;     /* the left unstable eigenvector, with row p_1 = 1 */
     double *re, *im; /* the other left eigenvectors, d x d, for distances */
     mpfr_t *x, *difference;
-    bool away; /* has left the saddle it began at */
 } probe;
 
 static mpfr_t *numbers(int n, mpfr_prec_t prec)
@@ -115,7 +115,7 @@ static void add_image(probe *p, const image *from, const cns_model_symmetry *g, 
     p->n_images++;
 }
 
-static void find_images(probe *p)
+static void find_images(probe *p, int words)
 {
     image *first = &p->images[0];
     first->x = numbers(p->d, p->prec);
@@ -125,8 +125,9 @@ static void find_images(probe *p)
         first->sign[i] = 1;
     }
     first->turn = 1;
+    first->behind = true;
     p->n_images = 1;
-    for (int word = 0, from = 0; word < WORDS; word++)
+    for (int word = 0, from = 0; word < words; word++)
         for (const int to = p->n_images; from < to; from++)
             for (int k = 0; k < 2 * p->s->model->n_symmetries; k++)
                 add_image(p, &p->images[from], &p->s->model->symmetries[k / 2], k % 2 != 0);
@@ -264,38 +265,38 @@ static cns_code too_near(long digits, cns_error *err)
 }
 
 /* miss = u e^(-lambda t) / s: what the coordinate was at s = 1, had it always grown like this. */
-static cns_code finish(probe *p, const image *m, long digits, cns_passage *result, cns_error *err)
+static void finish(probe *p, const image *m, bool first, cns_passage *result)
 {
     mpfr_t t, u, factor;
     mpfr_inits2(p->prec + EXTRA_BITS, t, u, factor, (mpfr_ptr)0);
     find_leaving(p, m, t, u);
-    mpfr_mul(factor, t, p->branch.lambda, MPFR_RNDN);
-    mpfr_neg(factor, factor, MPFR_RNDN);
-    mpfr_exp(factor, factor, MPFR_RNDN);
-    mpfr_mul(u, u, factor, MPFR_RNDN);
-    mpfr_div(result->miss, u, p->branch.s, MPFR_RNDN);
     result->side = mpfr_sgn(u) < 0 ? -1 : 1;
+    if (first) {
+        mpfr_mul(factor, t, p->branch.lambda, MPFR_RNDN);
+        mpfr_neg(factor, factor, MPFR_RNDN);
+        mpfr_exp(factor, factor, MPFR_RNDN);
+        mpfr_mul(u, u, factor, MPFR_RNDN);
+        mpfr_div(result->miss, u, p->branch.s, MPFR_RNDN);
+    }
     mpfr_log(factor, p->branch.s, MPFR_RNDN);
     mpfr_div(factor, factor, p->branch.lambda, MPFR_RNDN);
     mpfr_add(t, t, factor, MPFR_RNDN);
+    result->interval = first ? 0 : mpfr_get_d(t, MPFR_RNDN) - result->time;
     result->time = mpfr_get_d(t, MPFR_RNDN);
     result->lambda = mpfr_get_d(p->branch.lambda, MPFR_RNDN);
     result->steps = cns_flow_steps(p->flow);
     mpfr_clears(t, u, factor, (mpfr_ptr)0);
-    return cns_log2_mpfr(result->miss) < -(double)(digits - NOISE_DIGITS) * CNS_LOG2_10
-               ? too_near(digits, err)
-               : CNS_OK;
 }
 
 /* The image that the last step has left, or NULL. */
-static const image *left_image(probe *p)
+static image *left_image(probe *p)
 {
     for (int k = 0; k < p->n_images; k++) {
         image *m = &p->images[k];
         double u0, u1, others;
         coordinates(p, m, cns_flow_state(p->flow), &u1, &others);
-        if (k == 0 && !p->away) {
-            p->away = fmax(u1, others) > apart;
+        if (m->behind) {
+            m->behind = fmax(u1, others) <= apart;
             continue;
         }
         m->approached = m->approached ? fmax(u1, others) < 2 * near : fmax(u1, others) < near;
@@ -308,22 +309,31 @@ static const image *left_image(probe *p)
     return NULL;
 }
 
-static cns_code follow(probe *p, double horizon, long digits, cns_passage *result,
+static cns_code follow(probe *p, const cns_passage_spec *spec, double horizon, cns_passage *result,
                        void (*tell)(void *context, double fraction), void *context, cns_error *err)
 {
+    int passed = 0;
     for (;;) {
         cns_code code = cns_flow_step(p->flow, err);
         if (code)
             return code;
         const double t = mpfr_get_d(cns_flow_end(p->flow), MPFR_RNDN);
-        const image *m = left_image(p);
-        if (m != NULL)
-            return finish(p, m, digits, result, err);
+        image *m = left_image(p);
+        if (m != NULL) {
+            finish(p, m, passed == 0, result);
+            if (cns_log2_mpfr(result->miss) < -(double)(spec->digits - NOISE_DIGITS) * CNS_LOG2_10)
+                return too_near(spec->digits, err);
+            if (++passed >= spec->passes)
+                return CNS_OK;
+            m->behind = true;
+            m->approached = false;
+            horizon += t;
+        }
         if (tell != NULL)
             tell(context, fmin(t / horizon, 1));
         for (int k = 0; k < p->n_images && t > horizon; k++)
             if (p->images[k].approached)
-                return too_near(digits, err);
+                return too_near(spec->digits, err);
         if (t > horizon)
             return cns_fail(
                 err, CNS_NUMERIC,
@@ -408,7 +418,7 @@ static cns_code prepare(probe *p, const cns_passage_spec *spec, cns_error *err)
     if (code)
         return cns_fail(err, code, "%s: %s", m->connection->saddle, inner.text);
     find_rows(p);
-    find_images(p);
+    find_images(p, MORE_WORDS + spec->passes);
     const cns_flow_spec flow = numerics(p, digits, spec->variant);
     p->flow = cns_flow_new(&flow, err);
     if (p->flow == NULL)
@@ -457,7 +467,7 @@ cns_code cns_manifold_passage(const cns_study *s, const cns_passage_spec *spec, 
     if (!code) {
         const double horizon =
             (SLOW_TIMES + 2.302585092994046 * (double)spec->digits) / mpfr_get_d(p.branch.lambda, MPFR_RNDN);
-        code = follow(&p, horizon, spec->digits, result, tell, context, err);
+        code = follow(&p, spec, horizon, result, tell, context, err);
     }
     dispose(&p);
     return code;
