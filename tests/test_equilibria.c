@@ -467,12 +467,14 @@ START_TEST(test_balls)
     for (int turn = 0; turn < 200; turn++) {
         const slong size = -2 - (slong)test_random_below(&s, 60);
         for (int i = 0; i < n; i++) {
+            const bool flat = turn % 4 == 1 && i != 3; /* only omega varies */
             arb_set_d(box + i, i == 3 && turn % 2 ? 0 : 1 + 2 * test_random_unit(&s));
-            mpfr_set_d(x[i], 2 * test_random_unit(&s) - 1, MPFR_RNDN);
+            mpfr_set_d(x[i], flat ? 0 : 2 * test_random_unit(&s) - 1, MPFR_RNDN);
             mpfr_mul_2si(x[i], x[i], size, MPFR_RNDN);
             arf_get_mpfr(f[i], arb_midref(box + i), MPFR_RNDN);
             mpfr_add(x[i], x[i], f[i], MPFR_RNDN);
-            mag_set_ui_2exp_si(arb_radref(box + i), 1, size);
+            if (!flat)
+                mag_set_ui_2exp_si(arb_radref(box + i), 1, size);
         }
         check_ok(cns_ball_derivatives(tangent, box, image, PREC, &err), &err);
         field_at(J, n, x, f);
