@@ -111,8 +111,8 @@ static void check_spectrum(const cns_equilibrium *p, long decimals, const arb_t 
         arf_get_mpfr(x, arb_midref(acb_realref(root + i)), MPFR_RNDN);
         char *re = cns_text_mpfr(x, CNS_PLACES_DECIMALS, decimals);
         arf_get_mpfr(x, arb_midref(acb_imagref(root + i)), MPFR_RNDN);
-        char *im =
-            arb_contains_zero(acb_imagref(root + i)) ? NULL : cns_text_mpfr(x, CNS_PLACES_DECIMALS, decimals);
+        const bool real = mpfr_zero_p(x) || mpfr_get_exp(x) < -BITS / 2;
+        char *im = real ? NULL : cns_text_mpfr(x, CNS_PLACES_DECIMALS, decimals);
         for (int k = 0; k < 4; k++)
             if (!strcmp(p->eigenvalues[k].re, re) && !strcmp(p->eigenvalues[k].im, im ? im : "0")) {
                 found++;
