@@ -466,6 +466,27 @@ START_TEST(test_passage)
 }
 END_TEST
 
+/* Smoothing so small that it cannot show changes nothing; a larger one moves the connection, but little. */
+START_TEST(test_smoothing)
+{
+    static const char *const eps[] = {"1e-40", "1e-3"};
+    for (int i = 0; i < 2; i++) {
+        bench b;
+        cns_number *smooth = numbers_new(1, &eps[i]);
+        bench_open(&b, cns_model_find("apw"), "1.2191", "1.2192", 12);
+        b.study.smooth = smooth;
+        check_ok(bisect(&b, NULL), &b.err);
+        if (i == 0)
+            ck_assert_str_eq(b.r.critical, "1.219146631202");
+        else
+            ck_assert_msg(!strncmp(b.r.critical, "1.219146", 8) && strcmp(b.r.critical, "1.219146631202"),
+                          "%s", b.r.critical);
+        bench_close(&b);
+        numbers_free(smooth, 1);
+    }
+}
+END_TEST
+
 /* The period of the motion that a disk settles to near the connection: two saddles are passed in it. */
 static double period_at(bench *b, const char *inertia, double *lambda)
 {
@@ -541,6 +562,7 @@ Suite *suite_manifold(void)
     tcase_add_test(t, test_refusals);
     tcase_add_test(t, test_disk);
     tcase_add_test(t, test_passage);
+    tcase_add_test(t, test_smoothing);
     tcase_add_test(t, test_period_law);
     tcase_add_test(t, test_store);
     suite_add_tcase(s, t);

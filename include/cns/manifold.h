@@ -36,6 +36,7 @@ typedef struct cns_passage {
     double time;   /* from the branch's parameter s = 1 until it leaves the next saddle */
     double lambda; /* the unstable eigenvalue */
     double interval; /* between the last two departures; 0 after one */
+    double loss;     /* digits of the miss lost to a start at a small s, as smoothing forces it */
     long steps;
 } cns_passage;
 

@@ -26,6 +26,8 @@ enum {
     MORE_SPARE = 4,
     MAX_PROBES = 200,
     MAX_PROOFS = 8,
+    SMOOTH_DECIMALS = 10, /* beyond those asked for, by which smoothing may not show */
+    END_TURNS = 2,        /* the first tells what a start loses */
     RECENT = 3
 };
 
@@ -34,6 +36,7 @@ typedef struct point {
     char *text;
     mpfr_t value, miss;
     int side;
+    double loss;
 } point;
 
 typedef struct search {
@@ -49,6 +52,7 @@ typedef struct search {
     point recent[RECENT]; /* the last probes, the latest first */
     int n_recent;
     double gain_log10; /* log10 of K where error = K error error for secants */
+    double loss;       /* digits that probes need for their start */
     char word[128];
 } search;
 
@@ -108,12 +112,14 @@ static cns_code run(void *context, int i, cns_ensemble_job *handle, char **resul
     if (!code) {
         const size_t size = strlen(j->text) + (size_t)j->digits + 256;
         *result = cns_xalloc(size, 1);
-        mpfr_snprintf(*result, size,
-                      "parameter: %s\nside: %d\nmiss: %.*Re\ntime: %.12g\nlambda: %.17g\nsteps: %ld\n",
-                      j->text, passage.side, (int)j->digits + MISS_DIGITS, passage.miss, passage.time,
-                      passage.lambda, passage.steps);
+        mpfr_snprintf(
+            *result, size,
+            "parameter: %s\nside: %d\nmiss: %.*Re\nloss: %.3g\ntime: %.12g\nlambda: %.17g\nsteps: %ld\n",
+            j->text, passage.side, (int)j->digits + MISS_DIGITS, passage.miss, passage.loss, passage.time,
+            passage.lambda, passage.steps);
     } else if (code == CNS_UNREACHED) { /* a result, too: more digits are needed */
-        *result = cns_xcopy("side: 0\nmiss: 0\n");
+        *result = cns_xalloc(128, 1);
+        snprintf(*result, 128, "side: 0\nmiss: 0\nloss: %.3g\n", passage.loss);
         code = CNS_OK;
     } else {
         cns_fail(err, code, "%s = %.40s: %s", f->s->model->parameters[f->spec->parameter].name, j->text,
@@ -128,9 +134,10 @@ static cns_code run(void *context, int i, cns_ensemble_job *handle, char **resul
 
 static bool read_result(const char *text, point *p)
 {
-    const char *side = strstr(text, "side: "), *miss = strstr(text, "miss: ");
-    if (side == NULL || miss == NULL)
+    const char *side = strstr(text, "side: "), *miss = strstr(text, "miss: "), *loss = strstr(text, "loss: ");
+    if (side == NULL || miss == NULL || loss == NULL)
         return false;
+    p->loss = strtod(loss + 6, NULL);
     p->side = (int)strtol(side + 6, NULL, 10);
     mpfr_strtofr(p->miss, miss + 6, NULL, 10, MPFR_RNDN);
     return mpfr_number_p(p->miss) && mpfr_sgn(p->miss) == p->side; /* 0: not told */
@@ -154,6 +161,8 @@ static cns_code probe(search *f, batch *b, point **points, cns_error *err)
     for (int i = 0; i < b->n; i++) {
         if (!code && !read_result(results[i], points[i]))
             code = cns_fail(err, CNS_IO, "the result of a probe cannot be read");
+        if (!code)
+            f->loss = fmax(f->loss, points[i]->loss);
         free(results[i]);
     }
     f->r->probes += b->n;
@@ -274,10 +283,10 @@ static double estimate(search *f, mpfr_t x)
  * those do that the last bracket will have, so that x is right to all decimals asked for, and more. */
 static cns_code narrow(search *f, const mpfr_t x, double decimals, bool *hit, cns_error *err)
 {
-    const long places = (long)fmax(decimals, 0) + SPARE_DECIMALS,
-               most = f->spec->decimals + f->spare + GUARD_DIGITS;
-    const double next = fmin(decimals + agreement(f, x, f->recent[0].value), (double)(most - GUARD_DIGITS));
-    long digits = (long)fmax(next, decimals) + GUARD_DIGITS;
+    const long places = (long)fmax(decimals, 0) + SPARE_DECIMALS, guard = GUARD_DIGITS + (long)f->loss,
+               most = f->spec->decimals + f->spare + guard;
+    const double next = fmin(decimals + agreement(f, x, f->recent[0].value), (double)(most - guard));
+    long digits = (long)fmax(next, decimals) + guard;
     char *text = cns_text_mpfr(x, CNS_PLACES_DECIMALS, places);
     point p, *out[1] = {&p};
     cns_code code = CNS_OK;
@@ -333,7 +342,7 @@ static void report(search *f, const point *lower, const point *upper)
 /* Probes both ends of a bracket of the last decimals about x, twice each. *done: they prove it. */
 static cns_code prove(search *f, const mpfr_t x, bool *done, cns_error *err)
 {
-    const long places = f->spec->decimals + f->spare, digits = places + GUARD_DIGITS;
+    const long places = f->spec->decimals + f->spare, digits = places + GUARD_DIGITS + (long)f->loss;
     mpfr_t unit, end;
     point p[4], *out[4];
     batch b = {.n = 4};
@@ -403,11 +412,14 @@ static cns_code ends(search *f, cns_error *err)
     point *out[2] = {&f->lower, &f->upper};
     point_set(&f->lower, f->spec->lower.text);
     point_set(&f->upper, f->spec->upper.text);
-    batch b = {.n = 2, .jobs = {{f->lower.text, LEAST_DIGITS, 0}, {f->upper.text, LEAST_DIGITS, 0}}};
     snprintf(f->word, sizeof f->word, "the ends of the bracket");
-    cns_code code = probe(f, &b, out, err);
-    if (code)
-        return code;
+    for (int turn = 0; turn < END_TURNS && (f->lower.side == 0 || f->upper.side == 0); turn++) {
+        const long digits = LEAST_DIGITS + (long)f->loss;
+        batch b = {.n = 2, .jobs = {{f->lower.text, digits, 0}, {f->upper.text, digits, 0}}};
+        cns_code code = probe(f, &b, out, err);
+        if (code)
+            return code;
+    }
     if (f->lower.side == 0 || f->upper.side == 0)
         return cns_fail(err, CNS_UNREACHED,
                         "an end of the bracket lies on the connection within %d digits: widen it",
@@ -451,6 +463,20 @@ static cns_code iterate(search *f, cns_error *err)
     return code;
 }
 
+/* Smoothing moves a connection by some eps^2, by eps^1.5 at most: does that show in the decimals asked for?
+ * If not, true absolute values give the same decimals in a fraction of the time. */
+static bool smoothing_shows(const cns_study *s, const cns_bisect_spec *spec)
+{
+    mpfr_t eps;
+    if (s->smooth == NULL)
+        return false;
+    mpfr_init2(eps, 53);
+    cns_number_get_mpfr(eps, s->smooth);
+    const bool shows = 1.5 * cns_log2_mpfr(eps) * CNS_LOG10_2 > -(double)(spec->decimals + SMOOTH_DECIMALS);
+    mpfr_clear(eps);
+    return shows;
+}
+
 cns_code cns_bisect_manifold(const cns_study *s, const cns_bisect_spec *spec, const cns_bisect_store *store,
                              cns_bisect_result *r, cns_error *err)
 {
@@ -458,7 +484,10 @@ cns_code cns_bisect_manifold(const cns_study *s, const cns_bisect_spec *spec, co
     if (s->model->connection == NULL || s->model->equilibria == NULL)
         return cns_fail(err, CNS_USAGE, "the model %s names no saddle whose unstable manifold to follow",
                         s->model->name);
-    search f = {.s = s,
+    cns_study exact = *s;
+    if (!smoothing_shows(s, spec))
+        exact.smooth = NULL;
+    search f = {.s = &exact,
                 .own = *s,
                 .spec = spec,
                 .store = store,

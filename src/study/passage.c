@@ -35,6 +35,7 @@ typedef struct image {
 
 typedef struct probe {
     const cns_study *s;
+    cns_study exact; /* the study without a smoothing that these digits cannot tell from none */
     cns_reduced reduced;
     cns_fixed_point saddle;
     cns_branch branch;
@@ -321,7 +322,9 @@ static cns_code follow(probe *p, const cns_passage_spec *spec, double horizon, c
         image *m = left_image(p);
         if (m != NULL) {
             finish(p, m, passed == 0, result);
-            if (cns_log2_mpfr(result->miss) < -(double)(spec->digits - NOISE_DIGITS) * CNS_LOG2_10)
+            /* Rounding the start moves it along the manifold by that much of s. */
+            if (cns_log2_mpfr(result->miss) + cns_log2_mpfr(p->branch.s) <
+                -(double)(spec->digits - NOISE_DIGITS) * CNS_LOG2_10)
                 return too_near(spec->digits, err);
             if (++passed >= spec->passes)
                 return CNS_OK;
@@ -380,6 +383,23 @@ static cns_flow_spec numerics(const probe *p, long digits, int variant)
                            .stop = p->s->stop};
 }
 
+/* Smoothing moves a connection by some eps^2: nothing, if eps < 2^-(2/3 prec + 16), and a series about a
+ * saddle on the smoothed kink would reach no farther than eps. */
+static void leave_out_sharp_smoothing(probe *p)
+{
+    mpfr_t eps;
+    if (p->s->smooth == NULL)
+        return;
+    mpfr_init2(eps, 53);
+    cns_number_get_mpfr(eps, p->s->smooth);
+    if (mpfr_get_exp(eps) < -(2 * p->prec / 3 + 16)) {
+        p->exact = *p->s;
+        p->exact.smooth = NULL;
+        p->s = &p->exact;
+    }
+    mpfr_clear(eps);
+}
+
 static cns_code prepare(probe *p, const cns_passage_spec *spec, cns_error *err)
 {
     const cns_model *m = p->s->model;
@@ -389,6 +409,8 @@ static cns_code prepare(probe *p, const cns_passage_spec *spec, cns_error *err)
     if (m->connection == NULL || m->equilibria == NULL)
         return cns_fail(err, CNS_USAGE, "the model %s names no saddle whose unstable manifold to follow",
                         m->name);
+    p->prec = cns_digits_to_bits(digits);
+    leave_out_sharp_smoothing(p);
     cns_code code = cns_study_program(p->s, &program, err);
     if (code)
         return code;
@@ -397,7 +419,6 @@ static cns_code prepare(probe *p, const cns_passage_spec *spec, cns_error *err)
     if (code)
         return code;
     p->d = p->reduced.d;
-    p->prec = cns_digits_to_bits(digits);
     p->along = -1;
     p->scales = cns_xalloc((size_t)p->d, sizeof *p->scales);
     for (int i = 0; i < p->d; i++) {
@@ -467,6 +488,7 @@ cns_code cns_manifold_passage(const cns_study *s, const cns_passage_spec *spec, 
     if (!code) {
         const double horizon =
             (SLOW_TIMES + 2.302585092994046 * (double)spec->digits) / mpfr_get_d(p.branch.lambda, MPFR_RNDN);
+        result->loss = -cns_log2_mpfr(p.branch.s) * CNS_LOG10_2;
         code = follow(&p, spec, horizon, result, tell, context, err);
     }
     dispose(&p);
