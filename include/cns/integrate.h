@@ -69,6 +69,8 @@ void cns_flow_free(cns_flow *f);
 
 /* To t = 0 with these states, converted at the flow's precision. */
 void cns_flow_start(cns_flow *f, const cns_number *initial);
+/* The same with states that are results, not texts: rounded to the flow's precision. */
+void cns_flow_start_at(cns_flow *f, const mpfr_t *initial);
 
 /* One step. CNS_NUMERIC: singularity, underflow, a number that is not finite, or (verify) a derivative
  * that is not the right-hand side; the message says where. CNS_STOPPED: spec.stop was raised. */

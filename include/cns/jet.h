@@ -55,6 +55,15 @@ double cns_jet_coefficient_2exp(const cns_jet *J, long *e, int state, int k); /*
 /* An output's value at t0 (spec.outputs). False when it is singular there. */
 bool cns_jet_output(const cns_jet *J, mpfr_t y, int output);
 
+/* Composition: the series of f(x) for given series x of the states, whether or not they solve x' = f(x).
+ * Orders are composed one after another from 0 on; the states' coefficients of an order are set before, and
+ * the latest order may be composed again after they have been changed. An abs() whose operand is zero at
+ * order 0, to half of the precision, takes the sign of its next coefficient. spec.registers >= 1.
+ * CNS_NUMERIC: singular at order 0. */
+void cns_jet_set_coefficient(cns_jet *J, int state, int k, const mpfr_t x);
+cns_code cns_jet_compose(cns_jet *J, int k, cns_error *err);
+void cns_jet_composed(cns_jet *J, mpfr_t y, int state, int k); /* coefficient k of f */
+
 /* Watched quantities: those in whose zeros the solution is not analytic. */
 typedef struct cns_watch {
     int series; /* of the arithmetic: the polynomial whose roots end the arc */

@@ -8,6 +8,8 @@ int cns_cmd_run(const cns_options *o);
 int cns_cmd_classify(const cns_options *o);
 int cns_cmd_check(const cns_options *o);
 int cns_cmd_models(const cns_options *o);
+int cns_cmd_equilibria(const cns_options *o);
+int cns_cmd_bisect(const cns_options *o);
 int cns_cmd_help(const cns_options *o);
 
 void cns_print_version(FILE *out);

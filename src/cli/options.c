@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cns/equilibria.h"
 #include "commands.h"
 #include "core/memory.h"
 #include "core/text.h"
@@ -33,6 +34,18 @@ static const cns_command commands[] = {
      "            the simplest motion of its kind, 2 what is called period two\n"
      "With --sweep it does so for many values of a parameter, on all cores, and prints a table; with\n"
      "-o DIR every finished value is kept in DIR, and none is computed again.\n"},
+    {"equilibria", cns_cmd_equilibria, "CASE", 1, 1, "fixed points, eigenvalues, stability",
+     "Fixed points of the states that feed back, such as the ways in which a disk can fall steadily,\n"
+     "with the eigenvalues of the equations linearised there. All digits are proven in ball\n"
+     "arithmetic. Only the case's model, parameters and abs matter.\n"},
+    {"bisect", cns_cmd_bisect, "CASE", 1, 1, "the critical value of a parameter between two modes",
+     "The section `bisect` of the case names a parameter, a bracket and how many decimals to find.\n"
+     "by: trajectory follows the case's own trajectory until its late motion shows, in halves of\n"
+     "the bracket, with as many digits as the passage by the saddle takes. by: manifold follows the\n"
+     "unstable manifold of a saddle to the next one and asks on which side it passes; the zero of the\n"
+     "distance is found by secants of rising precision. Both ends of the last bracket are probed\n"
+     "twice, with different digits, orders and steps. With -o DIR every\n"
+     "probe is kept there, and the same command goes on where it was stopped.\n"},
     {"check", cns_cmd_check, "CASE", 1, 1, "check a case file and print it with all defaults filled in",
      "All faults are reported, one per line, with line and column. What is printed is a case\n"
      "file again (sections of studies left out), with the overrides of --set applied.\n"
@@ -56,6 +69,7 @@ typedef enum option_id {
     O_UNTIL,
     O_SWEEP,
     O_OBSERVABLE,
+    O_DIGITS,
     O_THREADS,
     O_QUIET,
     O_VERBOSE,
@@ -74,18 +88,19 @@ typedef struct option_row {
 
 /* clang-format off */
 static const option_row options[] = {
-    {O_OUTPUT,  "output",  'o', "FILE", " run classify ", "write the table to FILE, written aside and renamed; runs of a sweep: to a directory"},
-    {O_YAML,    "yaml",     0,  NULL,   " run classify ", "a summary as YAML; the table only with -o"},
-    {O_SET,     "set",      0,  "K=V",  " run classify check ", "override a value: --set numerics.digits=80 (repeatable)"},
+    {O_OUTPUT,  "output",  'o', "FILE", " run classify bisect ", "write the table to FILE, written aside and renamed; sweeps and bisect: keep runs in this directory"},
+    {O_YAML,    "yaml",     0,  NULL,   " run classify equilibria bisect ", "a summary as YAML; the table only with -o"},
+    {O_SET,     "set",      0,  "K=V",  " run classify equilibria bisect check ", "override a value: --set numerics.digits=80 (repeatable)"},
     {O_PROVE,   "prove",    0,  NULL,   " run ", "prove a run by hand with a second, finer one"},
     {O_EVENTS,  "events",   0,  "FILE", " run ", "write the table of events to FILE, beside the trajectory"},
     {O_SECTION, "section",  0,  "S=V",  " run ", "an event for --events: state S has the value V (repeatable)"},
     {O_UNTIL,   "until",    0,  "T",    " classify ", "follow the motion up to this time at most"},
     {O_SWEEP,   "sweep",    0,  "P=A:B:STEP", " classify ", "one row for every value of parameter P from A to B"},
     {O_OBSERVABLE, "observable", 0, "STATE", " classify ", "the state whose maxima are listed; default: the last dynamic one"},
-    {O_THREADS, "threads",  0,  "N",    " run classify ", "at most N threads; the results do not depend on it"},
-    {O_QUIET,   "quiet",   'q', NULL,   " run classify check ", "no progress and no notes; errors only"},
-    {O_VERBOSE, "verbose", 'v', NULL,   " run ", "say more about what is done"},
+    {O_DIGITS,  "digits",   0,  "N",    " equilibria ", "digits after the point (default 30)"},
+    {O_THREADS, "threads",  0,  "N",    " run classify bisect ", "at most N threads; the results do not depend on it"},
+    {O_QUIET,   "quiet",   'q', NULL,   " run classify equilibria bisect check ", "no progress and no notes; errors only"},
+    {O_VERBOSE, "verbose", 'v', NULL,   " run bisect ", "say more about what is done"},
     {O_VERSION, "version",  0,  NULL,   NULL,    "print the version and those of the libraries"},
     {O_HELP,    "help",    'h', NULL,   NULL,    "describe the command"},
 };
@@ -179,6 +194,17 @@ static cns_code parse_threads(parser *p, const char *text)
     return CNS_OK;
 }
 
+static cns_code parse_digits(parser *p, const char *text)
+{
+    char *end;
+    long n = text[0] >= '0' && text[0] <= '9' ? strtol(text, &end, 10) : 0;
+    if (n < 1 || n > CNS_EQUILIBRIA_MAX_DECIMALS || *end != '\0')
+        return cns_fail(p->err, CNS_USAGE, "--digits takes an integer from 1 to %d, not '%s'",
+                        CNS_EQUILIBRIA_MAX_DECIMALS, cns_quote(text).text);
+    p->o->digits = n;
+    return CNS_OK;
+}
+
 static cns_code take(parser *p, const option_row *row, const char *value)
 {
     cns_options *o = p->o;
@@ -218,6 +244,8 @@ static cns_code take(parser *p, const option_row *row, const char *value)
     case O_OBSERVABLE:
         o->observable = value;
         break;
+    case O_DIGITS:
+        return parse_digits(p, value);
     case O_THREADS:
         return parse_threads(p, value);
     case O_QUIET:

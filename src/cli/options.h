@@ -21,6 +21,7 @@ typedef struct cns_options {
     int n_sections;
     const char *events;                     /* NULL: none wanted */
     const char *until, *sweep, *observable; /* as given; NULL: not */
+    long digits;                            /* --digits; 0: the command's choice */
     int verbose;                            /* how many -v */
     int threads;                            /* 0: as many as there are processors */
     bool help, version;

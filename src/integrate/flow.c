@@ -133,18 +133,31 @@ void cns_flow_free(cns_flow *f)
     free(f);
 }
 
-void cns_flow_start(cns_flow *f, const cns_number *initial)
+/* To t = 0 with the states that are in x1. */
+static void restart(cns_flow *f)
 {
-    for (int i = 0; i < f->n; i++) {
-        cns_number_get_mpfr(f->x1[i], &initial[i]);
+    for (int i = 0; i < f->n; i++)
         mpfr_set(f->x0[i], f->x1[i], MPFR_RNDN);
-    }
     mpfr_set_zero(f->t0, 1);
     mpfr_set_zero(f->t1, 1);
     mpq_set_ui(f->grid, 0, 1);
     f->steps = f->events = 0;
     f->last.landed = false;
     f->ops->start(f->stepper);
+}
+
+void cns_flow_start(cns_flow *f, const cns_number *initial)
+{
+    for (int i = 0; i < f->n; i++)
+        cns_number_get_mpfr(f->x1[i], &initial[i]);
+    restart(f);
+}
+
+void cns_flow_start_at(cns_flow *f, const mpfr_t *initial)
+{
+    for (int i = 0; i < f->n; i++)
+        mpfr_set(f->x1[i], initial[i], MPFR_RNDN);
+    restart(f);
 }
 
 static cns_code mismatch(const cns_flow *f, int i, cns_error *err)
