@@ -61,7 +61,8 @@ typedef struct cns_motion {
     /* Of all: */
     double lambda, lambda_se; /* largest exponent; 0 and 0 for periodic ones, whose phase is neutral and which
                                  attract otherwise; lambda_se < 0: not known */
-    double transient, time;   /* when the late motion begins; how far it was followed */
+    double transient, time;   /* when the late motion begins (chaos: from when on the exponent
+                                 was measured); how far it was followed */
     long digits;              /* of the finest run; 0: double */
     int extrema;              /* maxima of the observable: of a period, or the last ones of chaos */
     char *maximum[CNS_MOTION_EXTREMA]; /* chaos: six digits of a shadowing trajectory's, a sample */

@@ -235,6 +235,8 @@ cns_code cns_cycle_find(const cns_system *S, const mpfr_t *z, int returns, int d
     cns_code code = open_map(&m, S, digits, err);
     for (int turn = 0; turn < TURNS && !code; turn++) {
         code = evaluate(&m, c, err);
+        if (code == CNS_NUMERIC && turn > 0) /* a step of Newton's has gone too far */
+            code = cns_fail(err, CNS_UNREACHED, "Newton's method finds no cycle nearby");
         if (code)
             break;
         c->residual_log2 = residual_log2(&m, c->z);

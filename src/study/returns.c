@@ -458,7 +458,7 @@ cns_code cns_late_find(const cns_system *S, long digits, cns_late *late, cns_err
         const double rate = rate_log2(&F), floor = digits > 0 ? calm_log2 * (double)digits / 16 : calm_log2;
         F.fastest = fmax(F.fastest, rate);
         F.calm = rate < floor ? F.calm + 1 : 0;
-        if (F.calm == 0)
+        if (F.calm == 1)
             late->transient = late->time;
         if (F.calm >= CALM) {
             late->kind = CNS_LATE_STEADY;
@@ -469,6 +469,7 @@ cns_code cns_late_find(const cns_system *S, long digits, cns_late *late, cns_err
             code = end_batch(&F, &chaos, err);
         if (!code && !over && chaos) {
             late->kind = CNS_LATE_CHAOS;
+            late->transient = F.batch_time[F.batches / 2];
             over = true;
         }
     }

@@ -42,3 +42,16 @@ $ cns bisect -q "$CASES"/heteroclinic.yaml --set bisect.upper=1.4
 $ cns bisect "$CASES"/flutter.yaml
 2> re:needs a section .bisect.
 ? 2
+
+= by trajectory: the same, found in another way
+% 100
+$ cns bisect -q "$CASES"/heteroclinic-trajectory.yaml --set bisect.decimals=8 -o probes > a; head -n 1 a
+$ cns bisect -q "$CASES"/heteroclinic-trajectory.yaml --set bisect.decimals=8 -o probes | cmp - a
+> I = 1.21914663, 8 decimals
+
+= by trajectory: the same mode at both ends
+$ cns bisect -q "$CASES"/heteroclinic-trajectory.yaml --set bisect.lower=1.22 --set bisect.upper=1.225
+> tumble   at 1.22
+> tumble   at 1.225
+2> re:no change of mode
+? 1
