@@ -12,6 +12,7 @@
 
 #include <mpfr.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "cns/status.h"
 
@@ -53,6 +54,8 @@ typedef struct cns_arith_ops {
 
     cns_arith *(*create)(const cns_arith_spec *spec, cns_error *err); /* NULL: out of memory or range */
     void (*destroy)(cns_arith *A);
+
+    size_t (*bytes)(const cns_arith *A); /* of memory that it holds */
 
     /* Starts a new expansion: time scaled by H > 0 (a machine number, exact), all series forgotten
      * except those given by set() with `keep` true (the constants). */

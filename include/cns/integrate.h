@@ -51,6 +51,10 @@ typedef struct cns_flow_spec {
                                      which stand for the most; NULL: none. Outlives the flow */
     long schedule_shift;          /* added to the schedule's digits */
     bool verify;                  /* after each step, compare the derivative with the right-hand side */
+    long round_digits; /* K > 0: a K-digit run. After every step and every landing each state is rounded to
+                          K significant decimals, half to even; prec should hold some ten digits more,
+                          so that nothing else matters. Dense output stays that of the step. Not with
+                          double. 0: none */
     const volatile sig_atomic_t *stop; /* non-zero: give up (may be NULL) */
 } cns_flow_spec;
 
@@ -70,9 +74,16 @@ cns_arithmetic cns_arithmetic_for(cns_arithmetic asked, int order);
 
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err);
 void cns_flow_free(cns_flow *f);
+size_t cns_flow_bytes(const cns_flow *f); /* of memory that it holds: series and vectors */
 
 /* To t = 0 with these states, converted at the flow's precision. */
 void cns_flow_start(cns_flow *f, const cns_number *initial);
+/* The same with states that are results, not texts: rounded to the flow's precision. */
+void cns_flow_start_at(cns_flow *f, const mpfr_t *initial);
+
+/* Multiplies the states first .. first + count - 1 at t1 by 2^exponent, which is exact: for tangents, whose
+ * equations are linear. The next step begins with them; the last step still evaluates to what it was. */
+void cns_flow_rescale(cns_flow *f, int first, int count, long exponent);
 
 /* One step. CNS_NUMERIC: singularity, underflow, a number that is not finite, or (verify) a derivative
  * that is not the right-hand side; the message says where. CNS_STOPPED: spec.stop was raised. */
@@ -86,10 +97,19 @@ const mpfr_t *cns_flow_state(const cns_flow *f); /* at t1 */
 const mpfr_t *cns_flow_begin_state(const cns_flow *f);
 bool cns_flow_landed(const cns_flow *f);       /* did the last step end on a kink? */
 double cns_flow_noise_log2(const cns_flow *f); /* of the last step: rounding or truncation, in scales */
+
+/* log2 of the step that a series of this order would allow where the last step began, at this tolerance,
+ * from the last step's coefficients: an estimate. False if they tell nothing. */
+bool cns_flow_reach(const cns_flow *f, double tolerance_log2, int order, double *h_log2);
+
 long cns_flow_steps(const cns_flow *f);
 long cns_flow_events(const cns_flow *f);
 
 /* States at time t0 <= t <= t1 of the last step; x has one number per state, rounded to its precision. */
 void cns_flow_eval(cns_flow *f, const mpq_t t, mpfr_t *x);
+
+/* The dense output of the last step, one state's polynomial: x(t0 + u unit) = sum_k c_k u^k, coefficients
+ * 0..*degree, valid until the next step or call. Only after a step. */
+mpfr_t *cns_flow_polynomial(cns_flow *f, int state, int *degree, mpfr_t unit);
 
 #endif

@@ -16,6 +16,9 @@
 
 typedef struct cns_jet cns_jet;
 
+/* Is the smoothing of p's abs() that sharp at a precision of prec bits? (See cns_jet_spec.) */
+bool cns_jet_is_sharp(const cns_program *p, mpfr_prec_t prec);
+
 typedef struct cns_jet_spec {
     const cns_program *program; /* finished; must outlive the jet */
     const cns_arith_ops *ops;
@@ -31,6 +34,7 @@ typedef struct cns_jet_spec {
  * told from it, and a zero of u known to 2^-prec could not be approached to a distance of eps. */
 cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err);
 void cns_jet_free(cns_jet *J);
+size_t cns_jet_bytes(const cns_jet *J); /* of memory in its series; NULL: none */
 
 /* Starts an expansion in tau = (t - t0)/H. H is exact; 1 is allowed. */
 void cns_jet_begin(cns_jet *J, double H);
@@ -54,6 +58,15 @@ double cns_jet_coefficient_2exp(const cns_jet *J, long *e, int state, int k); /*
 
 /* An output's value at t0 (spec.outputs). False when it is singular there. */
 bool cns_jet_output(const cns_jet *J, mpfr_t y, int output);
+
+/* Composition: the series of f(x) for given series x of the states, whether or not they solve x' = f(x).
+ * Orders are composed one after another from 0 on; the states' coefficients of an order are set before, and
+ * the latest order may be composed again after they have been changed. An abs() whose operand is zero at
+ * order 0, to half of the precision, takes the sign of its next coefficient. spec.registers >= 1.
+ * CNS_NUMERIC: singular at order 0. */
+void cns_jet_set_coefficient(cns_jet *J, int state, int k, const mpfr_t x);
+cns_code cns_jet_compose(cns_jet *J, int k, cns_error *err);
+void cns_jet_composed(cns_jet *J, mpfr_t y, int state, int k); /* coefficient k of f */
 
 /* Watched quantities: those in whose zeros the solution is not analytic. */
 typedef struct cns_watch {

@@ -24,6 +24,40 @@ typedef struct cns_model_output { /* a derived quantity that tables can show */
     const char *meaning;
 } cns_model_output;
 
+/* What makes two states of a motion the same motion. A turn adds 2 pi / turns to the angle and multiplies
+ * every state by its turn_sign; the mirror image multiplies every state by its mirror_sign, the angle's being
+ * -1. Both map solutions to solutions. */
+typedef struct cns_model_motion {
+    int angle;                      /* a state */
+    int rate;                       /* the state that is the angle's rate of change; -1: none */
+    int turns;                      /* in a whole revolution, >= 1 */
+    int height;                     /* the state that measures it; -1: none */
+    const signed char *turn_sign;   /* n_states: 1 or -1 */
+    const signed char *mirror_sign; /* n_states: 1 or -1; NULL: the mirror image is no solution */
+} cns_model_motion;
+/* Where Newton's method for a fixed point of the dynamic states may start. */
+#define CNS_MODEL_MAX_STATES  16
+#define CNS_MODEL_MAX_GUESSES 8
+typedef struct cns_model_guess {
+    const char *name;
+    double state[CNS_MODEL_MAX_STATES]; /* n_states of them; the passive ones do not count */
+} cns_model_guess;
+
+/* A map of the states, s_i -> sign_i s_i + shift_i, that takes solutions to solutions. */
+typedef struct cns_model_symmetry {
+    const char *name;
+    const signed char *sign;  /* n_states, 1 or -1 */
+    const char *const *shift; /* n_states texts as in case files; NULL: 0 */
+} cns_model_symmetry;
+
+/* The unstable manifold of a saddle with one unstable direction that may connect to the saddle itself or to
+ * one of its images under the symmetries: a change between two modes. */
+typedef struct cns_model_connection {
+    const char *saddle;        /* the name of its guess */
+    int along;                 /* the state that grows on the branch to be followed */
+    const char *back, *beyond; /* the modes: having come near the next saddle, `along` falls or grows away */
+} cns_model_connection;
+
 typedef struct cns_model {
     const char *name;
     const char *title;
@@ -32,8 +66,15 @@ typedef struct cns_model {
     const cns_model_state *states;
     const cns_model_parameter *parameters;
     const cns_model_output *outputs;
+    const cns_model_motion *motion; /* NULL: no state is an angle */
     /* Writes the right-hand side and the outputs (in the order of `outputs`) into a new program. */
     void (*build)(cns_program *p);
+    /* The guesses for all fixed points that there are with these parameters, at most CNS_MODEL_MAX_GUESSES,
+     * up to turns of an angle by 2 pi; returns how many. NULL: the model knows none. */
+    int (*equilibria)(const double *parameters, cns_model_guess *guesses);
+    int n_symmetries;
+    const cns_model_symmetry *symmetries;
+    const cns_model_connection *connection; /* NULL: none known */
 } cns_model;
 
 int cns_model_count(void);

@@ -58,6 +58,7 @@ cns_code cns_program_finish(cns_program *p, cns_error *err);
 int cns_program_states(const cns_program *p);
 int cns_program_outputs(const cns_program *p);
 bool cns_program_is_smooth(const cns_program *p);
+double cns_program_smooth_log2(const cns_program *p); /* log2 of its eps */
 
 /* Does anything feed back on state i? If not (the position of a falling disk), it is passive: it neither
  * steers steps nor amplifies errors. Of a finished program. */

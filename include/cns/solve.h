@@ -48,11 +48,13 @@ typedef struct cns_run_info {
     long proof_digits; /* of the coarser run; 0: no proof */
     mpfr_prec_t proof_prec;
     int proof_order;
-    const char *kernel; /* of the printed run's arithmetic: avx512ifma, portable, mpfr, double */
-    bool planned;       /* by goal: the following are predictions */
-    double growth;      /* log10 of the largest growth of noise expected */
-    double margin;      /* digits added for its fluctuation */
-    double steps, seconds;
+    const char *kernel;    /* of the printed run's arithmetic: avx512ifma, portable, mpfr, double */
+    bool planned;          /* by goal: the following are predictions */
+    double followed;       /* the last time that the preliminary run reached */
+    double growth;         /* log10 of the largest growth of noise expected */
+    double margin;         /* digits added for its fluctuation */
+    double steps, seconds; /* of the printed run; of both, on a machine with nothing else to do */
+    double memory;         /* bytes, the program itself and its libraries with it */
 } cns_run_info;
 
 typedef struct cns_row {
@@ -102,9 +104,10 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
 cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *numerics, bool prove,
                             cns_result *result, cns_error *err);
 
-/* What a goal needs, from a preliminary run in double with tangents: see plan.c. */
-/* schedule->digits has room for CNS_PLAN_PARTS numbers: the digits of the coarser run by time,
- * plan->proof_digits being the most. */
+/* What a goal needs, from a preliminary run in double with tangents: see plan.c.
+ * schedule->digits has room for CNS_PLAN_PARTS numbers: the digits of the coarser run by time,
+ * plan->proof_digits being the most. A preliminary run that fails is no error: plan->followed is then below
+ * the end, and err says why. */
 #define CNS_PLAN_PARTS 64
 cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_schedule *schedule,
                   cns_error *err);

@@ -22,7 +22,9 @@ typedef struct cns_trajectory_spec {
     bool outputs;      /* compute the program's outputs, too */
     bool no_growth;    /* do not follow growth: samples have neither growth nor error */
     double unit_noise; /* if not 0, log2 of the noise of every step, instead of the flow's own */
-    double deadline;   /* of cns_seconds(); 0: none. After it, CNS_STOPPED with stopped_late */
+    void (*stepped)(void *context, const cns_flow *f); /* called after each step; may be NULL */
+    void *context;
+    double deadline; /* of cns_seconds(); 0: none. After it, CNS_STOPPED with stopped_late */
 } cns_trajectory_spec;
 
 cns_trajectory *cns_trajectory_new(const cns_trajectory_spec *spec, cns_error *err);
@@ -30,6 +32,11 @@ void cns_trajectory_free(cns_trajectory *t);
 
 /* Integrates as far as needed and evaluates at `time`; times must not decrease. */
 cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, cns_error *err);
+
+/* The same in its parts, to look between the ends of steps: one step and its growth; the states and outputs
+ * (not growth and error) at a time within the last step, any number of times in any order. */
+cns_code cns_trajectory_step(cns_trajectory *t, cns_error *err);
+void cns_trajectory_peek(cns_trajectory *t, const mpq_t time, cns_sample *s);
 
 cns_flow *cns_trajectory_flow(cns_trajectory *t);
 cns_growth *cns_trajectory_growth(cns_trajectory *t);

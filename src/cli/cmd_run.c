@@ -6,6 +6,7 @@
 #include "cns/table.h"
 #include "commands.h"
 #include "console.h"
+#include "events.h"
 #include "setup.h"
 
 typedef struct run_context {
@@ -90,9 +91,19 @@ int cns_cmd_run(const cns_options *o)
         cns_setup_close(&r.setup);
         return CNS_USAGE;
     }
+    cns_wanted wanted = {0};
+    if (o->events == NULL && o->n_sections > 0)
+        status = cns_complain(CNS_USAGE, "--section names an event for --events FILE, which is missing");
+    else if (o->events != NULL)
+        status = cns_wanted_open(&wanted, o, c->model);
+    if (status) {
+        cns_setup_close(&r.setup);
+        return status;
+    }
     if (!o->yaml || o->output) {
         r.table = cns_table_open(o->output, c, &err);
         if (!r.table) {
+            cns_wanted_close(&wanted);
             cns_setup_close(&r.setup);
             return cns_complain(err.code, "%s", err.text);
         }
@@ -115,6 +126,11 @@ int cns_cmd_run(const cns_options *o)
         else if (code)
             status = cns_complain(code, "%s", io.text);
     }
+    if (o->events != NULL && (status == CNS_OK || status == CNS_UNREACHED)) {
+        int written = cns_wanted_write(&wanted, &r.setup, &result);
+        status = written ? written : status;
+    }
+    cns_wanted_close(&wanted);
     if (o->yaml && (status == CNS_OK || status == CNS_UNREACHED)) {
         int printed = print_summary(&result, c);
         status = printed ? printed : status;

@@ -5,6 +5,14 @@
 #include "options.h"
 
 int cns_cmd_run(const cns_options *o);
+int cns_cmd_tc(const cns_options *o);
+int cns_cmd_laws(const cns_options *o);
+int cns_cmd_compare(const cns_options *o);
+int cns_cmd_plan(const cns_options *o);
+int cns_cmd_lyapunov(const cns_options *o);
+int cns_cmd_classify(const cns_options *o);
+int cns_cmd_equilibria(const cns_options *o);
+int cns_cmd_bisect(const cns_options *o);
 int cns_cmd_check(const cns_options *o);
 int cns_cmd_models(const cns_options *o);
 int cns_cmd_bench(const cns_options *o);

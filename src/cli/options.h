@@ -7,8 +7,9 @@
 
 #include "cns/status.h"
 
-#define CNS_MAX_THREADS 4096
-#define CNS_MAX_SECONDS 1000000
+#define CNS_MAX_THREADS  4096
+#define CNS_MAX_DECIMALS 10000
+#define CNS_MAX_SECONDS  1000000
 
 typedef struct cns_options {
     const struct cns_command *command; /* NULL: none given */
@@ -16,13 +17,17 @@ typedef struct cns_options {
     int n_operands;
     const char *const *sets; /* --set, in order */
     int n_sets;
-    const char *output; /* -o; NULL: standard output */
-    bool yaml, prove, quiet;
-    int verbose;    /* how many -v */
-    int threads;    /* 0: as many as there are processors */
-    double seconds; /* --seconds; 0: not given */
-    bool help, version;
-    const char **list; /* room for operands and sets */
+    const char *const *sections; /* --section, in order */
+    int n_sections;
+    bool yaml, prove, quiet, help, version;
+    int verbose; /* how many -v */
+
+    /* NULL or 0: not given */
+    const char *output, *events, *delta, *until, *sweep, *observable;
+    long threads, reference_digits, decimals, digits;
+    double seconds;
+
+    const char **list; /* room for operands, sets and sections */
 } cns_options;
 
 typedef struct cns_command {

@@ -60,7 +60,7 @@ int cns_setup_open(const cns_options *o, cns_setup *s)
                            .end = &c->end,
                            .every = &c->every,
                            .scales = s->scales,
-                           .threads = o->threads > 0   ? o->threads
+                           .threads = o->threads > 0   ? (int)o->threads
                                       : processors > 0 ? (int)processors
                                                        : 1,
                            .stop = &stop_signal,

@@ -5,6 +5,7 @@
 #include "cns/integrate.h"
 #include "method.h"
 #include "num/logs.h"
+#include "num/round.h"
 
 struct cns_flow {
     cns_flow_spec spec;
@@ -23,7 +24,7 @@ struct cns_flow {
     mpfr_t tolerance, difference;
 };
 
-enum { GUARD_BITS = 16, TIME_BITS = 128, CHECK_BITS = 96 };
+enum { GUARD_BITS = 16, TIME_BITS = 128, CHECK_BITS = 96, MALLOC_BYTES = 16 };
 
 mpfr_prec_t cns_digits_to_bits(long digits)
 {
@@ -87,10 +88,19 @@ void cns_vector_free(mpfr_t *v, int n)
     free(v);
 }
 
+size_t cns_vector_bytes(int n, mpfr_prec_t prec)
+{
+    return (size_t)n * (sizeof(mpfr_t) + mpfr_custom_get_size(prec) + MALLOC_BYTES);
+}
+
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
 {
     if (spec->method == CNS_METHOD_RK4 && !spec->step) {
         cns_fail(err, CNS_USAGE, "the Runge-Kutta method needs a fixed step");
+        return NULL;
+    }
+    if (spec->round_digits > 0 && spec->arithmetic == CNS_ARITH_DOUBLE) {
+        cns_fail(err, CNS_USAGE, "double cannot keep a number of decimals: take multiple precision");
         return NULL;
     }
     cns_flow *f = calloc(1, sizeof *f);
@@ -149,18 +159,42 @@ void cns_flow_free(cns_flow *f)
     free(f);
 }
 
-void cns_flow_start(cns_flow *f, const cns_number *initial)
+size_t cns_flow_bytes(const cns_flow *f)
 {
-    for (int i = 0; i < f->n; i++) {
-        cns_number_get_mpfr(f->x1[i], &initial[i]);
+    return f->ops->bytes(f->stepper) + cns_jet_bytes(f->check) + cns_vector_bytes(3 * f->n, f->spec.prec);
+}
+
+/* To t = 0 with the states that are in x1. */
+static void restart(cns_flow *f)
+{
+    for (int i = 0; i < f->n; i++)
         mpfr_set(f->x0[i], f->x1[i], MPFR_RNDN);
-    }
     mpfr_set_zero(f->t0, 1);
     mpfr_set_zero(f->t1, 1);
     mpq_set_ui(f->grid, 0, 1);
     f->steps = f->events = 0;
     f->last.landed = false;
     f->ops->start(f->stepper);
+}
+
+void cns_flow_rescale(cns_flow *f, int first, int count, long exponent)
+{
+    for (int i = first; i < first + count; i++)
+        mpfr_mul_2si(f->x1[i], f->x1[i], exponent, MPFR_RNDN);
+}
+
+void cns_flow_start(cns_flow *f, const cns_number *initial)
+{
+    for (int i = 0; i < f->n; i++)
+        cns_number_get_mpfr(f->x1[i], &initial[i]);
+    restart(f);
+}
+
+void cns_flow_start_at(cns_flow *f, const mpfr_t *initial)
+{
+    for (int i = 0; i < f->n; i++)
+        mpfr_set(f->x1[i], initial[i], MPFR_RNDN);
+    restart(f);
 }
 
 static cns_code mismatch(const cns_flow *f, int i, cns_error *err)
@@ -204,6 +238,23 @@ static bool runs_away(const cns_flow *f, int i)
     frexp(f->spec.scales[i], &scale);
     return cns_program_is_dynamic(f->spec.program, i) && mpfr_regular_p(f->x1[i]) &&
            mpfr_get_exp(f->x1[i]) - scale > f->spec.prec / 2;
+}
+
+/* What a run of K digits keeps of the state at the end of a step. The step's noise is then at least what was
+ * cut off. A component that a landing has set to 0 stays 0. */
+static void round_state(cns_flow *f)
+{
+    double largest = f->last.noise_log2;
+    for (int i = 0; i < f->n; i++) {
+        mpfr_set(f->difference, f->x1[i], MPFR_RNDN);
+        cns_round_significant(f->x1[i], f->spec.round_digits);
+        if (!cns_program_is_dynamic(f->spec.program, i))
+            continue;
+        mpfr_sub(f->difference, f->difference, f->x1[i], MPFR_RNDN);
+        mpfr_div_d(f->difference, f->difference, f->spec.scales[i], MPFR_RNDN);
+        largest = fmax(largest, cns_log2_mpfr(f->difference));
+    }
+    f->last.noise_log2 = largest;
 }
 
 cns_code cns_flow_step(cns_flow *f, cns_error *err)
@@ -250,7 +301,10 @@ cns_code cns_flow_step(cns_flow *f, cns_error *err)
             return cns_fail(err, CNS_NUMERIC, "t = %.12g: state %d grows without bound: a pole", t, i);
     f->steps++;
     f->events += f->last.landed;
-    return f->check ? verify(f, err) : CNS_OK;
+    code = f->check ? verify(f, err) : CNS_OK;
+    if (!code && f->spec.round_digits > 0)
+        round_state(f);
+    return code;
 }
 
 int cns_flow_states(const cns_flow *f)
@@ -293,6 +347,11 @@ double cns_flow_noise_log2(const cns_flow *f)
     return f->last.noise_log2;
 }
 
+bool cns_flow_reach(const cns_flow *f, double tolerance_log2, int order, double *h_log2)
+{
+    return f->ops->reach && f->ops->reach(f->stepper, tolerance_log2, order, h_log2);
+}
+
 long cns_flow_steps(const cns_flow *f)
 {
     return f->steps;
@@ -315,4 +374,9 @@ void cns_flow_eval(cns_flow *f, const mpq_t t, mpfr_t *x)
     if (mpfr_sgn(f->tau) < 0)
         mpfr_set_zero(f->tau, 1);
     f->ops->eval(f->stepper, f->tau, x);
+}
+
+mpfr_t *cns_flow_polynomial(cns_flow *f, int state, int *degree, mpfr_t unit)
+{
+    return f->ops->polynomial(f->stepper, state, degree, unit);
 }

@@ -19,11 +19,16 @@ typedef struct cns_method_ops {
     const char *name;
     cns_stepper *(*create)(const cns_flow_spec *spec, cns_error *err);
     void (*destroy)(cns_stepper *s);
+    size_t (*bytes)(const cns_stepper *s); /* of memory that it holds */
+    /* As cns_flow_reach(); NULL if the method chooses no steps. */
+    bool (*reach)(const cns_stepper *s, double tolerance_log2, int order, double *h_log2);
     void (*start)(cns_stepper *s);
     /* From x to y, both of one number per state at the flow's precision. */
     cns_code (*step)(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_error *err);
     /* States at tau after the beginning of the last step, 0 <= tau <= h. */
     void (*eval)(cns_stepper *s, const mpfr_t tau, mpfr_t *x);
+    /* The same as a polynomial: coefficients 0..*degree of state i in tau/unit, valid until the next call. */
+    mpfr_t *(*polynomial)(cns_stepper *s, int i, int *degree, mpfr_t unit);
     /* Derivatives of the states at tau, from the dense output; NULL if the method cannot tell. *tolerance is
      * set to a bound on their error from rounding and truncation. */
     void (*derivative)(cns_stepper *s, const mpfr_t tau, mpfr_t *dx, mpfr_t tolerance);
@@ -37,5 +42,6 @@ const cns_arith_ops *cns_flow_arith(const cns_flow_spec *spec);
 const cns_arith_ops *cns_flow_plain_arith(const cns_flow_spec *spec);
 mpfr_t *cns_vector_new(int n, mpfr_prec_t prec); /* zeros; aborts never, NULL: out of memory */
 void cns_vector_free(mpfr_t *v, int n);
+size_t cns_vector_bytes(int n, mpfr_prec_t prec); /* of memory in such a vector */
 
 #endif

@@ -3,13 +3,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "cns/jet.h"
+#include "cost.h"
 #include "num/logs.h"
 #include "solve_inside.h"
 
 enum {
     DOUBLE_DIGITS = 16,
     DOUBLE_ORDER = 22,
+    DOUBLE_TOLERANCE_LOG2 = -54,
     SPARE_DIGITS = 5, /* noise constants of a step, and few straddles */
     LEAST_DIGITS = 10,
     WINDOWS = 64
@@ -72,29 +73,6 @@ static double extra_places(const cns_problem *p, const cns_goal *goal, const cns
     return most;
 }
 
-/* Seconds for one step with these numerics, measured on one expansion at the start. */
-static double seconds_per_step(const cns_problem *p, const cns_flow_spec *spec)
-{
-    cns_error ignored;
-    cns_flow *f = cns_flow_new(spec, &ignored);
-    double seconds = 0;
-    if (f) {
-        cns_flow_start(f, p->initial);
-        double from = cns_seconds();
-        if (!cns_flow_step(f, &ignored))
-            seconds = cns_seconds() - from;
-        cns_flow_free(f);
-    }
-    return seconds;
-}
-
-static double step_ratio(double tolerance_log2, int order)
-{
-    long e;
-    double m = cns_exp2_2exp((tolerance_log2 - 1) / order, &e);
-    return ldexp(m, (int)e);
-}
-
 /* The digits that noise made from each origin on may cost any later row: what it grows to, at most, and a
  * margin for the part of the way that the preliminary run cannot know. */
 typedef struct needs {
@@ -145,11 +123,15 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
                                 .deadline = goal->max_time > 0 ? cns_seconds() + goal->max_time : 0,
                                 .origins = true,
                                 .end = cns_number_get_d(p->end),
+                                .stepped = cns_tally_step,
                                 .unit_noise = -1e-9}; /* one unit per step */
+    const double since = cns_thread_seconds();
+    cns_tally tally = {.spec = &spec.flow, .end = spec.end};
+    spec.context = &tally;
     spec.flow.arithmetic = CNS_ARITH_DOUBLE;
     spec.flow.portable = true;
     spec.flow.order = DOUBLE_ORDER;
-    spec.flow.tolerance_log2 = -54;
+    spec.flow.tolerance_log2 = DOUBLE_TOLERANCE_LOG2;
     *plan = (cns_run_info){.attempt = 1, .planned = true};
     if (p->stop && *p->stop)
         return cns_fail(err, CNS_STOPPED, "stopped");
@@ -178,7 +160,8 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         code = cns_trajectory_at(t, time, &s, &failure);
         if (code)
             break;
-        double now = mpq_get_d(time), g = s.error_log2 > 0 ? s.error_log2 * CNS_LOG10_2 : 0;
+        plan->followed = mpq_get_d(time);
+        double now = plan->followed, g = s.error_log2 > 0 ? s.error_log2 * CNS_LOG10_2 : 0;
         if (now - window_start >= window) {
             double rate = (g - at_start) / (now - window_start);
             sum += rate * (now - window_start);
@@ -199,6 +182,8 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
                                       : cns_fail(err, CNS_STOPPED, "%s", failure.text);
     } else {
         /* A preliminary run that failed tells what it could; the run itself will tell why. */
+        if (code)
+            *err = failure;
         code = CNS_OK;
         need = fmax(need, (double)goal->count);
         double mean = end > 0 ? sum / end : 0;
@@ -217,17 +202,14 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         digits = schedule->digits[0];
         plan->proof_digits = digits;
         plan->digits = digits + CNS_PROOF_DIGITS;
-        cns_flow_spec fine = cns_taylor_spec(p, plan->digits),
-                      coarse = cns_taylor_spec(p, plan->proof_digits);
+        cns_flow_spec fine, coarse;
+        cns_proof_specs(p, plan->digits, schedule, 0, &fine, &coarse);
         plan->prec = fine.prec;
         plan->order = fine.order;
         plan->proof_prec = coarse.prec;
         plan->proof_order = coarse.order;
-        double steps = (double)cns_flow_steps(cns_trajectory_flow(t)) * step_ratio(-54, DOUBLE_ORDER);
-        plan->steps = steps / step_ratio(fine.tolerance_log2, fine.order);
-        plan->seconds =
-            plan->steps * seconds_per_step(p, &fine) +
-            steps / step_ratio(coarse.tolerance_log2, coarse.order) * seconds_per_step(p, &coarse);
+        cns_cost_predict(p, &fine, &coarse, &tally, plan);
+        plan->seconds += cns_thread_seconds() - since;
     }
     cns_trajectory_free(t);
     cns_sample_clear(&s);

@@ -7,6 +7,7 @@
 /* Registers: n each of the state and the weighted sum of slopes; then three constants. */
 enum { STATE, SUM, BLOCKS };
 enum { HALF_H, H, SIXTH_H, CONSTANTS };
+enum { CUBIC = 3 };
 
 struct cns_stepper {
     cns_flow_spec spec;
@@ -15,6 +16,7 @@ struct cns_stepper {
     mpfr_t h, a, b;          /* the step; scratch */
     mpfr_t *x, *y, *f0, *f1; /* both ends of the last step, and the slopes there */
     bool have_f1;
+    mpfr_t *cubic; /* the coefficients of one state's interpolation */
 };
 
 static void destroy(cns_stepper *s)
@@ -26,6 +28,7 @@ static void destroy(cns_stepper *s)
     cns_vector_free(s->y, s->n);
     cns_vector_free(s->f0, s->n);
     cns_vector_free(s->f1, s->n);
+    cns_vector_free(s->cubic, CUBIC + 1);
     mpfr_clears(s->h, s->a, s->b, (mpfr_ptr)0);
     free(s);
 }
@@ -49,14 +52,20 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
     s->y = cns_vector_new(s->n, spec->prec);
     s->f0 = cns_vector_new(s->n, spec->prec);
     s->f1 = cns_vector_new(s->n, spec->prec);
+    s->cubic = cns_vector_new(CUBIC + 1, spec->prec);
     s->jet = cns_jet_new(&jet, err);
-    if (!s->jet || !s->x || !s->y || !s->f0 || !s->f1) {
+    if (!s->jet || !s->x || !s->y || !s->f0 || !s->f1 || !s->cubic) {
         if (s->jet)
             cns_fail(err, CNS_NUMERIC, "out of memory");
         destroy(s);
         return NULL;
     }
     return s;
+}
+
+static size_t bytes(const cns_stepper *s)
+{
+    return cns_jet_bytes(s->jet) + cns_vector_bytes(4 * s->n, s->spec.prec);
 }
 
 static void start(cns_stepper *s)
@@ -135,57 +144,76 @@ static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_e
     return CNS_OK;
 }
 
+/* The slopes at the end of the step, once something inside it is asked for. */
+static void need_f1(cns_stepper *s)
+{
+    cns_error ignored;
+    if (s->have_f1)
+        return;
+    for (int i = 0; i < s->n; i++)
+        cns_jet_set_state(s->jet, i, s->y[i]);
+    if (cns_jet_expand(s->jet, 1, &ignored))
+        for (int i = 0; i < s->n; i++) { /* singular there: the secant's slope serves */
+            mpfr_sub(s->f1[i], s->y[i], s->x[i], MPFR_RNDN);
+            mpfr_div(s->f1[i], s->f1[i], s->h, MPFR_RNDN);
+        }
+    else
+        for (int i = 0; i < s->n; i++)
+            cns_jet_coefficient(s->jet, s->f1[i], i, 1);
+    s->have_f1 = true;
+}
+
 /* Cubic Hermite: with u = tau/h,
  * x + u h f0 + u^2 (3 (y - x) - h (2 f0 + f1)) + u^3 (2 (x - y) + h (f0 + f1)); its error, O(h^4), is that of
  * the method over a fixed time. */
+static mpfr_t *polynomial(cns_stepper *s, int i, int *degree, mpfr_t unit)
+{
+    mpfr_t *c = s->cubic;
+    need_f1(s);
+    *degree = CUBIC;
+    mpfr_set(unit, s->h, MPFR_RNDN);
+    mpfr_set(c[0], s->x[i], MPFR_RNDN);
+    mpfr_mul(c[1], s->f0[i], s->h, MPFR_RNDN);
+    mpfr_sub(s->a, s->y[i], s->x[i], MPFR_RNDN);
+    mpfr_mul_2ui(c[3], s->a, 1, MPFR_RNDN);
+    mpfr_neg(c[3], c[3], MPFR_RNDN);
+    mpfr_mul_ui(c[2], s->a, 3, MPFR_RNDN);
+    mpfr_add(s->a, s->f0[i], s->f1[i], MPFR_RNDN);
+    mpfr_mul(s->b, s->a, s->h, MPFR_RNDN);
+    mpfr_add(c[3], c[3], s->b, MPFR_RNDN);
+    mpfr_add(s->a, s->a, s->f0[i], MPFR_RNDN);
+    mpfr_mul(s->b, s->a, s->h, MPFR_RNDN);
+    mpfr_sub(c[2], c[2], s->b, MPFR_RNDN);
+    return c;
+}
+
 static void eval(cns_stepper *s, const mpfr_t tau, mpfr_t *x)
 {
-    cns_error ignored;
-    if (!s->have_f1) {
-        for (int i = 0; i < s->n; i++)
-            cns_jet_set_state(s->jet, i, s->y[i]);
-        if (cns_jet_expand(s->jet, 1, &ignored))
-            for (int i = 0; i < s->n; i++) { /* singular there: the secant's slope serves */
-                mpfr_sub(s->f1[i], s->y[i], s->x[i], MPFR_RNDN);
-                mpfr_div(s->f1[i], s->f1[i], s->h, MPFR_RNDN);
-            }
-        else
-            for (int i = 0; i < s->n; i++)
-                cns_jet_coefficient(s->jet, s->f1[i], i, 1);
-        s->have_f1 = true;
-    }
-    mpfr_t u, c2, c3;
-    mpfr_inits2(s->spec.prec, u, c2, c3, (mpfr_ptr)0);
+    mpfr_t u, unit;
+    int degree;
+    mpfr_inits2(s->spec.prec, u, unit, (mpfr_ptr)0);
     mpfr_div(u, tau, s->h, MPFR_RNDN);
     for (int i = 0; i < s->n; i++) {
-        mpfr_sub(s->a, s->y[i], s->x[i], MPFR_RNDN);
-        mpfr_mul_2ui(c3, s->a, 1, MPFR_RNDN);
-        mpfr_neg(c3, c3, MPFR_RNDN);
-        mpfr_mul_ui(c2, s->a, 3, MPFR_RNDN);
-        mpfr_add(s->a, s->f0[i], s->f1[i], MPFR_RNDN);
-        mpfr_mul(s->b, s->a, s->h, MPFR_RNDN);
-        mpfr_add(c3, c3, s->b, MPFR_RNDN);
-        mpfr_add(s->a, s->a, s->f0[i], MPFR_RNDN);
-        mpfr_mul(s->b, s->a, s->h, MPFR_RNDN);
-        mpfr_sub(c2, c2, s->b, MPFR_RNDN);
-        mpfr_mul(c3, c3, u, MPFR_RNDN);
-        mpfr_add(c2, c2, c3, MPFR_RNDN);
-        mpfr_mul(c2, c2, u, MPFR_RNDN);
-        mpfr_mul(s->a, s->f0[i], s->h, MPFR_RNDN);
-        mpfr_add(c2, c2, s->a, MPFR_RNDN);
-        mpfr_mul(c2, c2, u, MPFR_RNDN);
-        mpfr_add(x[i], s->x[i], c2, MPFR_RNDN);
+        mpfr_t *c = polynomial(s, i, &degree, unit);
+        mpfr_set(s->a, c[degree], MPFR_RNDN);
+        for (int k = degree - 1; k >= 0; k--) {
+            mpfr_mul(s->a, s->a, u, MPFR_RNDN);
+            mpfr_add(s->a, s->a, c[k], MPFR_RNDN);
+        }
+        mpfr_set(x[i], s->a, MPFR_RNDN);
         if (mpfr_cmp_ui(u, 1) == 0) /* the end itself, without the rounding of the interpolation */
             mpfr_set(x[i], s->y[i], MPFR_RNDN);
     }
-    mpfr_clears(u, c2, c3, (mpfr_ptr)0);
+    mpfr_clears(u, unit, (mpfr_ptr)0);
 }
 
 const cns_method_ops cns_method_rk4 = {
     .name = "rk4",
     .create = create,
     .destroy = destroy,
+    .bytes = bytes,
     .start = start,
     .step = step,
     .eval = eval,
+    .polynomial = polynomial,
 };

@@ -271,10 +271,8 @@ static void finish(walk *w, cns_result *result)
     }
 }
 
-/* The specs of the two runs of a proof, the printed one finer in everything. shift: the digits by which the
- * coarser run exceeds the schedule. */
-static void proof_specs(const cns_problem *p, long digits, const cns_schedule *schedule, long shift,
-                        cns_flow_spec *fine, cns_flow_spec *coarse)
+void cns_proof_specs(const cns_problem *p, long digits, const cns_schedule *schedule, long shift,
+                     cns_flow_spec *fine, cns_flow_spec *coarse)
 {
     *fine = cns_taylor_spec(p, digits);
     *coarse = cns_taylor_spec(p, digits - CNS_PROOF_DIGITS);
@@ -311,7 +309,7 @@ static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_sc
     walk w;
     double since = cns_seconds();
     const long coarse_digits = result->run.digits - CNS_PROOF_DIGITS;
-    proof_specs(p, result->run.digits, schedule, coarse_digits - schedule->digits[0], &fine, &coarse);
+    cns_proof_specs(p, result->run.digits, schedule, coarse_digits - schedule->digits[0], &fine, &coarse);
     *shortage = 0;
     cns_code code = describe(&result->run, result->run.digits, &fine, &coarse, err);
     if (code)
@@ -391,14 +389,9 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
     return code;
 }
 
-cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool prove, cns_result *result,
-                            cns_error *err)
+cns_flow_spec cns_given_spec(const cns_problem *p, const cns_numerics *n)
 {
-    double since = cns_seconds();
-    cns_flow_spec given = cns_taylor_spec(p, n->digits > 0 ? n->digits : 16), fine;
-    cns_number half_step;
-    walk w;
-    *result = (cns_result){.decimals = -1, .run = {.attempt = 1}};
+    cns_flow_spec given = cns_taylor_spec(p, n->digits > 0 ? n->digits : 16);
     given.method = n->method;
     given.arithmetic = n->arithmetic;
     given.step = n->fixed_step ? &n->step : NULL;
@@ -412,6 +405,17 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
     given.order = cns_order_for(given.tolerance_log2, given.arithmetic);
     if (n->order > 0)
         given.order = (int)n->order;
+    return given;
+}
+
+cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool prove, cns_result *result,
+                            cns_error *err)
+{
+    double since = cns_seconds();
+    cns_flow_spec given = cns_given_spec(p, n), fine;
+    cns_number half_step;
+    walk w;
+    *result = (cns_result){.decimals = -1, .run = {.attempt = 1}};
 
     /* The finer run of a proof: more digits; a Taylor run also another order and smaller steps, a
      * Runge-Kutta run half the step. */

@@ -19,6 +19,14 @@ bool cns_row_time(const cns_problem *p, unsigned long row, mpq_t time);
 /* The spec of a Taylor run with so many digits, all else automatic. */
 cns_flow_spec cns_taylor_spec(const cns_problem *p, long digits);
 
+/* The specs of the two runs of a proof, the printed one with so many digits and finer in everything. shift:
+ * the digits by which the coarser run exceeds the schedule. */
+void cns_proof_specs(const cns_problem *p, long digits, const cns_schedule *schedule, long shift,
+                     cns_flow_spec *fine, cns_flow_spec *coarse);
+
+/* The spec of a run by given numerics. */
+cns_flow_spec cns_given_spec(const cns_problem *p, const cns_numerics *n);
+
 bool cns_wants_outputs(const cns_problem *p);
 
 /* Is the difference of the dynamic states of two runs at time t no larger than noise times growth explain?

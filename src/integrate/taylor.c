@@ -122,6 +122,12 @@ static void start(cns_stepper *s)
     set_decay(s);
 }
 
+static size_t bytes(const cns_stepper *s)
+{
+    return cns_jet_bytes(s->plain) + cns_jet_bytes(s->fast) + cns_jet_bytes(s->scout) +
+           cns_vector_bytes((s->n + 1) * (s->spec.order + 1), s->spec.prec);
+}
+
 static mpfr_t *coefficients(cns_stepper *s, int i)
 {
     return s->poly + (size_t)i * ((size_t)s->spec.order + 1);
@@ -235,6 +241,14 @@ static void eval(cns_stepper *s, const mpfr_t t, mpfr_t *x)
     eval_tau(s, x);
 }
 
+static mpfr_t *polynomial(cns_stepper *s, int i, int *degree, mpfr_t unit)
+{
+    load(s);
+    *degree = s->order;
+    mpfr_set_d(unit, s->H, MPFR_RNDN);
+    return coefficients(s, i);
+}
+
 static cns_code expand(cns_stepper *s, cns_jet *jet, int order, double H, mpfr_t *x, cns_error *err)
 {
     s->jet = jet;
@@ -250,14 +264,11 @@ static cns_code expand(cns_stepper *s, cns_jet *jet, int order, double H, mpfr_t
     return code;
 }
 
-/* A guess at the next step from a short expansion in double: its last coefficients continued to the order of
- * the expansion to come by the rate at which they grow over its second half. */
-static bool scout(cns_stepper *s, mpfr_t *x)
+/* log2 of the step that a series of another order would allow: the last coefficients continued to it by the
+ * rate at which they grow over the second half of this series. False if they are all zero. */
+static bool reach(const cns_stepper *s, double tolerance_log2, int order, double *h_log2)
 {
-    cns_error ignored;
     double end = -HUGE_VAL, middle = -HUGE_VAL, l;
-    if (expand(s, s->scout, SCOUT_ORDER, 1, x, &ignored))
-        return false;
     const int half = s->order / 2;
     for (int k = first_tested(s); k <= s->order; k++)
         if (norm_log2(s, k, &l))
@@ -267,9 +278,17 @@ static bool scout(cns_stepper *s, mpfr_t *x)
             middle = fmax(middle, l);
     if (end == -HUGE_VAL || middle == -HUGE_VAL)
         return false;
-    double last = end + (end - middle) / half * (s->order_asked - s->order);
-    s->next_log2 = (s->tolerance_log2 - last) / s->order_asked;
+    double last = end + (end - middle) / half * (order - s->order);
+    *h_log2 = fmin((tolerance_log2 - last) / order, MAX_STEP_LOG2) + cns_log2_2exp(s->H, 0);
     return true;
+}
+
+/* A guess at the next step from a short expansion in double. */
+static bool scout(cns_stepper *s, mpfr_t *x)
+{
+    cns_error ignored;
+    return !expand(s, s->scout, SCOUT_ORDER, 1, x, &ignored) &&
+           reach(s, s->tolerance_log2, s->order_asked, &s->next_log2);
 }
 
 /* The expansion in the arithmetic that wants H. False if it does not fit: for leading zeros, for noise above
@@ -518,8 +537,11 @@ const cns_method_ops cns_method_taylor = {
     .name = "taylor",
     .create = create,
     .destroy = destroy,
+    .bytes = bytes,
+    .reach = reach,
     .start = start,
     .step = step,
     .eval = eval,
+    .polynomial = polynomial,
     .derivative = derivative,
 };

@@ -105,28 +105,41 @@ static bool origin_is_due(const cns_trajectory *t)
            t->spec.end / CNS_GROWTH_ORIGINS * cns_growth_marks(t->growth);
 }
 
-cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, cns_error *err)
+cns_code cns_trajectory_step(cns_trajectory *t, cns_error *err)
 {
-    while (mpfr_cmp_q(cns_flow_end(t->flow), time) < 0) {
-        if (t->spec.deadline != 0 && cns_seconds() > t->spec.deadline) {
-            t->late = true;
-            return cns_fail(err, CNS_STOPPED, "the time allowed is used up");
-        }
-        cns_code code = cns_flow_step(t->flow, err);
-        if (code)
-            return code;
-        if (t->spec.no_growth)
-            continue;
-        double noise = t->spec.unit_noise != 0 ? t->spec.unit_noise : cns_flow_noise_log2(t->flow);
-        code = cns_growth_follow(t->growth, t->flow, noise, err);
-        if (!code && t->spec.origins && origin_is_due(t))
-            code = cns_growth_mark(t->growth, err);
-        if (code)
-            return code;
+    if (t->spec.deadline != 0 && cns_seconds() > t->spec.deadline) {
+        t->late = true;
+        return cns_fail(err, CNS_STOPPED, "the time allowed is used up");
     }
+    cns_code code = cns_flow_step(t->flow, err);
+    if (code)
+        return code;
+    if (t->spec.stepped)
+        t->spec.stepped(t->spec.context, t->flow);
+    if (t->spec.no_growth)
+        return CNS_OK;
+    double noise = t->spec.unit_noise != 0 ? t->spec.unit_noise : cns_flow_noise_log2(t->flow);
+    code = cns_growth_follow(t->growth, t->flow, noise, err);
+    if (!code && t->spec.origins && origin_is_due(t))
+        code = cns_growth_mark(t->growth, err);
+    return code;
+}
+
+void cns_trajectory_peek(cns_trajectory *t, const mpq_t time, cns_sample *s)
+{
     cns_flow_eval(t->flow, time, s->state);
     if (t->outputs)
         evaluate_outputs(t, s);
+}
+
+cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, cns_error *err)
+{
+    while (mpfr_cmp_q(cns_flow_end(t->flow), time) < 0) {
+        cns_code code = cns_trajectory_step(t, err);
+        if (code)
+            return code;
+    }
+    cns_trajectory_peek(t, time, s);
     s->growth = 0;
     s->error_log2 = -HUGE_VAL;
     return t->spec.no_growth ? CNS_OK : cns_growth_at(t->growth, time, &s->growth, &s->error_log2, err);

@@ -1,4 +1,6 @@
 /* A disk falling through water: the model of Andersen, Pesavento and Wang. */
+#include <math.h>
+
 #include "models.h"
 
 enum { X, Y, THETA, VX, VY, OMEGA, N_STATES };
@@ -32,6 +34,18 @@ static const cns_model_output outputs[] = {
     {"vx_lab", "x', velocity in the global frame"},
     {"vy_lab", "y', velocity in the global frame"},
 };
+
+/* Half a turn puts the other edge ahead: Vx and Vy, in the disk's frame, change sign. */
+static const signed char turn_sign[N_STATES] = {
+    [X] = 1, [Y] = 1, [THETA] = 1, [VX] = -1, [VY] = -1, [OMEGA] = 1};
+static const signed char mirror_sign[N_STATES] = {
+    [X] = -1, [Y] = 1, [THETA] = -1, [VX] = -1, [VY] = 1, [OMEGA] = -1};
+static const cns_model_motion motion = {.angle = THETA,
+                                        .rate = OMEGA,
+                                        .turns = 2,
+                                        .height = Y,
+                                        .turn_sign = turn_sign,
+                                        .mirror_sign = mirror_sign};
 
 /* Equations (1)-(4) of Xu, Li, Li, Liao with s = sqrt(Vx^2 + Vy^2), r = Vx Vy / s, e = (Vx^2 - Vy^2) / s:
  *   Gamma = (2/pi) (CR omega - CT r),  f = (A s - B e) / pi,  (Fx, Fy) = f (Vx, Vy),
@@ -87,6 +101,45 @@ static void build(cns_program *p)
     cns_output(p, vy_lab);
 }
 
+/* At rest but for the fall: omega = 0, and omega' = 0 asks that Vx Vy = 0. With Vy = 0, Vy' = 0 asks that
+ * cos theta = 0, and Vx' = 0 that (A - B) |Vx| Vx = -pi sin theta; with Vx = 0, Vx' = 0 asks that sin theta =
+ * 0, and Vy' = 0 that (A + B) |Vy| Vy = -pi cos theta. There are no others. */
+static int equilibria(const double *parameter, cns_model_guess *guess)
+{
+    const double pi = 3.14159265358979323846;
+    const double edge = parameter[A] - parameter[B], broad = parameter[A] + parameter[B];
+    int n = 0;
+    for (int turn = 0; turn < 2; turn++) {
+        const double down = turn == 0 ? -1 : 1;
+        if (edge != 0 && isfinite(edge)) {
+            guess[n] = (cns_model_guess){.name = turn == 0 ? "edge-on" : "edge-on mirror"};
+            guess[n].state[THETA] = pi / 2 + pi * turn;
+            guess[n++].state[VX] = copysign(sqrt(pi / fabs(edge)), down * edge);
+        }
+        if (broad != 0 && isfinite(broad)) {
+            guess[n] = (cns_model_guess){.name = turn == 0 ? "broadside" : "broadside mirror"};
+            guess[n].state[THETA] = pi * turn;
+            guess[n++].state[VY] = copysign(sqrt(pi / fabs(broad)), down * broad);
+        }
+    }
+    return n;
+}
+
+/* The disk has two faces and two edges; left and right are alike. */
+static const cns_model_symmetry symmetries[] = {
+    {"half-turn",
+     (const signed char[N_STATES]){[X] = 1, [Y] = 1, [THETA] = 1, [VX] = -1, [VY] = -1, [OMEGA] = 1},
+     (const char *const[N_STATES]){[THETA] = "pi"}},
+    {"mirror",
+     (const signed char[N_STATES]){[X] = -1, [Y] = 1, [THETA] = -1, [VX] = -1, [VY] = 1, [OMEGA] = -1},
+     (const char *const[N_STATES]){NULL}},
+};
+
+/* An edge-on disk tips over. When it comes near edge-on again, half a turn on, it either swings back, with
+ * its other face down, or turns over: the heteroclinic bifurcation of Andersen, Pesavento and Wang. */
+static const cns_model_connection connection = {
+    .saddle = "edge-on", .along = THETA, .back = "flutter", .beyond = "tumble"};
+
 const cns_model cns_model_apw = {
     .name = "apw",
     .title = "disk falling through water (Andersen-Pesavento-Wang)",
@@ -98,5 +151,10 @@ const cns_model cns_model_apw = {
     .states = states,
     .parameters = parameters,
     .outputs = outputs,
+    .motion = &motion,
     .build = build,
+    .equilibria = equilibria,
+    .n_symmetries = sizeof symmetries / sizeof *symmetries,
+    .symmetries = symmetries,
+    .connection = &connection,
 };

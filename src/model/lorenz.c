@@ -1,3 +1,5 @@
+#include <math.h>
+
 #include "models.h"
 
 static const cns_model_state states[] = {
@@ -21,6 +23,28 @@ static void build(cns_program *p)
     cns_derivative(p, 2, cns_sub(p, cns_mul(p, x, y), cns_mul(p, b, z)));
 }
 
+/* The state at rest, and two states of steady convection, x = y = +-sqrt(b (R - 1)), z = R - 1. */
+static int equilibria(const double *parameter, cns_model_guess *guess)
+{
+    const double height = parameter[1] - 1, square = parameter[2] * height;
+    guess[0] = (cns_model_guess){.name = "origin"};
+    if (!(square > 0) || !isfinite(square))
+        return 1;
+    const double x = sqrt(square);
+    guess[1] = (cns_model_guess){.name = "C+", .state = {x, x, height}};
+    guess[2] = (cns_model_guess){.name = "C-", .state = {-x, -x, height}};
+    return 3;
+}
+
+static const cns_model_symmetry symmetries[] = {
+    {"half-turn", (const signed char[3]){-1, -1, 1}, (const char *const[3]){NULL}},
+};
+
+/* One branch of the origin's unstable manifold returns to the origin at R = 13.926... (sigma = 10, b = 8/3).
+ */
+static const cns_model_connection connection = {
+    .saddle = "origin", .along = 0, .back = "across", .beyond = "same side"};
+
 const cns_model cns_model_lorenz = {
     .name = "lorenz",
     .title = "Lorenz's model of convection",
@@ -30,4 +54,8 @@ const cns_model cns_model_lorenz = {
     .states = states,
     .parameters = parameters,
     .build = build,
+    .equilibria = equilibria,
+    .n_symmetries = sizeof symmetries / sizeof *symmetries,
+    .symmetries = symmetries,
+    .connection = &connection,
 };

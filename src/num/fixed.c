@@ -38,10 +38,13 @@ static int limbs_for(long bits)
     return bits <= FX_BITS ? 1 : (int)((bits + FX_BITS - 1) / FX_BITS);
 }
 
+static _Thread_local size_t allocated; /* by words() and cells(), since fx_create began */
+
 static void *words(size_t n, bool *ok)
 {
     const size_t size = (n * 8 + 63) / 64 * 64;
     void *p = n > SIZE_MAX / 16 ? NULL : aligned_alloc(64, size);
+    allocated += size;
     if (p == NULL)
         *ok = false;
     else
@@ -52,6 +55,7 @@ static void *words(size_t n, bool *ok)
 static void *cells(size_t n, size_t size, bool *ok)
 {
     void *p = calloc(n, size);
+    allocated += n * size;
     if (p == NULL)
         *ok = false;
     return p;
@@ -126,6 +130,7 @@ fx *fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel
     fx *F = calloc(1, sizeof *F);
     if (F == NULL)
         return NULL;
+    allocated = sizeof *F;
     F->kernel = kernel;
     F->n_series = n_series;
     F->order = order;
@@ -184,6 +189,7 @@ fx *fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel
         fx_destroy(F);
         return NULL;
     }
+    F->bytes = allocated;
     for (size_t k = 0; k < orders; k++) {
         mpfr_set_ui(F->f, k + 1, MPFR_RNDN);
         mpfr_ui_div(F->f, 1, F->f, MPFR_RNDN);

@@ -118,6 +118,8 @@ struct fx {
     fx_const *reciprocal;    /* per series d: 1/d_v, the last v used */
     fx_const tau;            /* of a sum, times 2^-d */
 
+    size_t bytes; /* allocated */
+
     mpz_t z, z2;
     mpfr_t f, f2, f3, g, g2; /* working precision and more; g, g2 for functions */
     mpfr_t *kept;            /* values of constants */

@@ -40,6 +40,11 @@ static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
     return A;
 }
 
+static size_t bytes(const cns_arith *A)
+{
+    return (size_t)A->spec.series * ((size_t)A->spec.order + 1) * sizeof *A->c;
+}
+
 static void begin(cns_arith *A, double H)
 {
     A->H = H;
@@ -173,9 +178,9 @@ static void function_libm(cns_arith *A, cns_function f, int w, int w2, int a, in
 }
 
 #define PRIMITIVES                                                                                           \
-    .create = create, .destroy = destroy, .begin = begin, .get = get, .set = set, .get_2exp = get_2exp,      \
-    .zero = zero, .coef = coef, .scaled = scaled, .conv = conv, .square = square, .store = store,            \
-    .store_scaled = store_scaled, .store_ratio = store_ratio, .store_over = store_over,                      \
+    .create = create, .destroy = destroy, .bytes = bytes, .begin = begin, .get = get, .set = set,            \
+    .get_2exp = get_2exp, .zero = zero, .coef = coef, .scaled = scaled, .conv = conv, .square = square,      \
+    .store = store, .store_scaled = store_scaled, .store_ratio = store_ratio, .store_over = store_over,      \
     .store_next = store_next
 
 const cns_arith_ops cns_arith_double = {.name = "double", PRIMITIVES, .function = function};

@@ -73,6 +73,11 @@ cns_arith *cns_fast_create(const cns_arith_spec *spec, const char *kernel, cns_e
     return A;
 }
 
+static size_t bytes(const cns_arith *A)
+{
+    return A->F->bytes;
+}
+
 static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
 {
     return cns_fast_create(spec, NULL, err);
@@ -266,6 +271,7 @@ const cns_arith_ops cns_arith_fast = {
     .sum = cns_fast_sum,
     .create = create,
     .destroy = destroy,
+    .bytes = bytes,
     .begin = begin,
     .get = get,
     .set = set,

@@ -64,6 +64,12 @@ static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
     return A;
 }
 
+static size_t bytes(const cns_arith *A)
+{
+    const size_t n = (size_t)A->spec.series * ((size_t)A->spec.order + 1);
+    return n * (sizeof *A->c + mpfr_custom_get_size(A->spec.prec));
+}
+
 static void begin(cns_arith *A, double H)
 {
     A->H = H;
@@ -201,6 +207,7 @@ const cns_arith_ops cns_arith_mpfr = {
     .name = "mpfr",
     .create = create,
     .destroy = destroy,
+    .bytes = bytes,
     .begin = begin,
     .get = get,
     .set = set,

@@ -68,9 +68,11 @@ static cns_code compute_constants(cns_jet *J, cns_error *err)
 }
 
 /* eps < 2^-(2/3 prec + 16). */
-static bool is_sharp(const cns_program *p, mpfr_prec_t prec)
+bool cns_jet_is_sharp(const cns_program *p, mpfr_prec_t prec)
 {
     mpfr_t eps;
+    if (!p->is_smooth)
+        return false;
     mpfr_init2(eps, 53);
     cns_number_get_mpfr(eps, &p->smooth);
     bool sharp = mpfr_get_exp(eps) < -(2 * prec / 3 + 16);
@@ -123,7 +125,7 @@ cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err)
         if (wanted && !node->constant)
             J->plan[J->n_plan++] = v;
     }
-    J->sharp = p->is_smooth && is_sharp(p, spec->sharp_prec ? spec->sharp_prec : spec->prec);
+    J->sharp = cns_jet_is_sharp(p, spec->sharp_prec ? spec->sharp_prec : spec->prec);
     J->registers_from = series;
     cns_arith_spec arith = {
         .series = series + spec->registers, .order = spec->order + LOOKAHEAD, .prec = spec->prec};
@@ -155,6 +157,11 @@ void cns_jet_free(cns_jet *J)
     free(J->val);
     free(J->known);
     free(J);
+}
+
+size_t cns_jet_bytes(const cns_jet *J)
+{
+    return J ? J->ops->bytes(J->A) : 0;
 }
 
 void cns_jet_begin(cns_jet *J, double H)
@@ -457,6 +464,68 @@ cns_code cns_jet_expand(cns_jet *J, int order, cns_error *err)
             return code;
         memcpy(J->held, J->sign, bytes);
     }
+}
+
+void cns_jet_set_coefficient(cns_jet *J, int state, int k, const mpfr_t x)
+{
+    J->ops->set(J->A, J->state_series[state], k, x, false);
+}
+
+static cns_code compose_order(cns_jet *J, int k, cns_error *err)
+{
+    for (int i = 0; i < J->n_plan; i++) {
+        int v = J->plan[i];
+        cns_code code = J->vanishes[v] ? CNS_OK : cns_op_recurrence[J->p->node[v].op](J, v, k, err);
+        if (code)
+            return code;
+    }
+    return CNS_OK;
+}
+
+/* Marks the kinks that the point lies on, and says whether there are any. */
+static bool lies_on_kinks(cns_jet *J)
+{
+    bool any = false;
+    long e;
+    for (int w = 0; w < J->p->n_watch; w++) {
+        const cns_tape_node *n = &J->p->node[J->p->watch[w]];
+        int u = n->op == CNS_OP_ABS ? n->arg[0] : n->op == CNS_OP_SMOOTH_ABS && J->sharp ? n->arg[1] : -1;
+        if (u < 0 || J->p->node[u].constant)
+            continue;
+        J->at_zero[u] = J->ops->get_2exp(J->A, &e, J->series[u], 0) == 0 || e < -(long)J->spec.prec / 2;
+        any = any || J->at_zero[u];
+    }
+    return any;
+}
+
+cns_code cns_jet_compose(cns_jet *J, int k, cns_error *err)
+{
+    const size_t n = (size_t)J->p->n_nodes;
+    if (k > 0)
+        return compose_order(J, k, err);
+    memset(J->sign, 0, n * sizeof *J->sign);
+    memset(J->val, 0, n * sizeof *J->val);
+    memset(J->at_zero, 0, n * sizeof *J->at_zero);
+    for (size_t v = 0; v < n; v++)
+        J->vanishes[v] = J->constant_zero[v];
+    J->singular = false;
+    cns_code code = compose_order(J, 0, err);
+    if (code || !lies_on_kinks(J))
+        return code;
+    memset(J->sign, 0, n * sizeof *J->sign);
+    return compose_order(J, 0, err);
+}
+
+void cns_jet_composed(cns_jet *J, mpfr_t y, int state, int k)
+{
+    int factor = J->p->factor[state], scratch = cns_jet_register(J, 0);
+    J->ops->zero(J->A);
+    cns_accumulate(J, 1, J->p->derivative[state], k);
+    if (factor < 0)
+        J->ops->store(J->A, scratch, k);
+    else
+        J->ops->store_scaled(J->A, scratch, k, J->series[factor]);
+    J->ops->get(J->A, y, scratch, k);
 }
 
 int cns_jet_order(const cns_jet *J)

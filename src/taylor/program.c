@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "num/logs.h"
 #include "tape.h"
 
 const char *const cns_op_name[CNS_OP_COUNT] = {
@@ -561,4 +562,14 @@ int cns_program_outputs(const cns_program *p)
 bool cns_program_is_smooth(const cns_program *p)
 {
     return p->is_smooth;
+}
+
+double cns_program_smooth_log2(const cns_program *p)
+{
+    mpfr_t eps;
+    mpfr_init2(eps, 53);
+    cns_number_get_mpfr(eps, &p->smooth);
+    double l = cns_log2_mpfr(eps);
+    mpfr_clear(eps);
+    return l;
 }

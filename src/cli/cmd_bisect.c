@@ -1,0 +1,118 @@
+/* cns bisect: a critical parameter. */
+#include "cns/bisect.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "cns/summary.h"
+#include "cns/trajectory.h"
+#include "commands.h"
+#include "console.h"
+#include "core/memory.h"
+#include "setup.h"
+
+/* What a probe depends on besides the parameter sought: model, the other parameters, abs. */
+static char *identity_of(const cns_case *c)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (out == NULL)
+        return cns_xcopy("");
+    fprintf(out, "bisect %s by %s\n", c->model->name, c->bisect.by_manifold ? "manifold" : "trajectory");
+    for (int i = 0; i < c->model->n_parameters; i++)
+        if (i != c->bisect.parameter)
+            fprintf(out, "%s: %s\n", c->model->parameters[i].name, c->parameters[i].text);
+        else
+            fprintf(out, "%s: sought\n", c->model->parameters[i].name);
+    if (!c->bisect.by_manifold)
+        for (int i = 0; i < c->model->n_states; i++)
+            fprintf(out, "%s: %s\n", c->model->states[i].name, c->initial[i].text);
+    fprintf(out, "abs: %s\n", c->smooth ? c->eps.text : "exact");
+    fclose(out);
+    return text;
+}
+
+static void print_text(FILE *out, const char *parameter, const cns_bisect_result *r)
+{
+    if (r->critical != NULL)
+        fprintf(out, "%s = %s, %ld decimals\n", parameter, r->critical, r->decimals);
+    fprintf(out, "%-8s at %s\n%-8s at %s\n", r->lower_mode, r->lower, r->upper_mode, r->upper);
+}
+
+static bool print_yaml(FILE *out, const char *parameter, const cns_bisect_result *r)
+{
+    cns_summary *s = cns_summary_open(out);
+    cns_summary_text(s, "parameter", parameter);
+    if (r->critical != NULL)
+        cns_summary_text(s, "critical", r->critical);
+    cns_summary_text(s, "lower", r->lower);
+    cns_summary_text(s, "upper", r->upper);
+    cns_summary_text(s, "lower_mode", r->lower_mode);
+    cns_summary_text(s, "upper_mode", r->upper_mode);
+    if (r->critical != NULL)
+        cns_summary_long(s, "decimals", r->decimals);
+    cns_summary_long(s, "probes", r->probes);
+    return cns_summary_close(s) != 0;
+}
+
+static int print(const cns_setup *s, const cns_bisect_result *r)
+{
+    const char *parameter = s->c->model->parameters[s->c->bisect.parameter].name;
+    cns_page page;
+    bool written = true;
+    int status = (int)cns_page_open(&page);
+    if (status)
+        return status;
+    if (s->o->yaml)
+        written = print_yaml(page.file, parameter, r);
+    else
+        print_text(page.file, parameter, r);
+    status = cns_page_print(&page);
+    return status || written ? status : cns_complain(CNS_IO, "cannot write the summary");
+}
+
+/* With -v, what is done next goes to a line of its own. */
+typedef struct listener {
+    cns_setup *s;
+    char last[160];
+} listener;
+
+static void on_progress(void *context, double fraction, const char *what)
+{
+    listener *l = context;
+    cns_meter_show(&l->s->meter, fraction, cns_seconds() - l->s->since, what);
+    if (l->s->o->verbose == 0 || strcmp(l->last, what) == 0)
+        return;
+    cns_meter_clear(&l->s->meter);
+    snprintf(l->last, sizeof l->last, "%s", what);
+    fprintf(stderr, "cns: %s\n", what);
+}
+
+int cns_cmd_bisect(const cns_options *o)
+{
+    cns_setup s;
+    cns_bisect_result r = {.decimals = -1};
+    cns_error err = {0};
+    int status = cns_setup_open(o, &s);
+    if (status)
+        return status;
+    if (!s.c->has_bisect) {
+        cns_setup_close(&s);
+        return cns_complain(CNS_USAGE, "%s: `cns bisect` needs a section `bisect`", o->operands[0]);
+    }
+    listener l = {.s = &s};
+    char *identity = identity_of(s.c);
+    const cns_bisect_store store = {.directory = o->output, .identity = identity};
+    s.study.progress = on_progress;
+    s.study.context = &l;
+    cns_code code = s.c->bisect.by_manifold ? cns_bisect_manifold(&s.study, &s.c->bisect, &store, &r, &err)
+                                            : cns_bisect_trajectory(&s.study, &s.c->bisect, &store, &r, &err);
+    cns_meter_clear(&s.meter);
+    const int printed = r.lower != NULL ? print(&s, &r) : 0;
+    status = cns_setup_status(&s, code, &err);
+    cns_bisect_clear(&r);
+    free(identity);
+    cns_setup_close(&s);
+    return printed ? printed : status;
+}

@@ -1,0 +1,213 @@
+/* cns compare: two tables. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "cns/compare.h"
+#include "cns/read_table.h"
+#include "cns/summary.h"
+#include "commands.h"
+#include "console.h"
+#include "core/text.h"
+#include "delta.h"
+
+typedef struct compare_context {
+    const cns_options *o;
+    cns_page page;
+    cns_summary *summary; /* --yaml */
+    int n;
+    const char *const *names;
+} compare_context;
+
+static void decimals_text(char *text, size_t size, long decimals)
+{
+    if (decimals == CNS_COMPARE_NOTHING)
+        text[0] = '\0';
+    else
+        snprintf(text, size, "%ld", decimals);
+}
+
+static void on_begin(void *context, int n, const char *const *names)
+{
+    compare_context *x = context;
+    x->n = n;
+    x->names = names;
+    if (x->summary)
+        return;
+    fputs("t,decimals", x->page.file);
+    for (int k = 0; k < n && x->o->verbose; k++)
+        fprintf(x->page.file, ",%s", names[k]);
+    fputc('\n', x->page.file);
+}
+
+static void on_row(void *context, const char *t, long least, const long *each)
+{
+    compare_context *x = context;
+    char text[32];
+    decimals_text(text, sizeof text, least);
+    if (!x->summary) {
+        fprintf(x->page.file, "%s,%s", t, text);
+        for (int k = 0; k < x->n && x->o->verbose; k++) {
+            decimals_text(text, sizeof text, each[k]);
+            fprintf(x->page.file, ",%s", text);
+        }
+        fputc('\n', x->page.file);
+        return;
+    }
+    cns_summary_open_mapping(x->summary, NULL);
+    cns_summary_text(x->summary, "t", t);
+    cns_summary_text(x->summary, "decimals", least == CNS_COMPARE_NOTHING ? "null" : text);
+    if (x->o->verbose) {
+        cns_summary_open_mapping(x->summary, "columns");
+        for (int k = 0; k < x->n; k++) {
+            decimals_text(text, sizeof text, each[k]);
+            cns_summary_text(x->summary, x->names[k], each[k] == CNS_COMPARE_NOTHING ? "null" : text);
+        }
+        cns_summary_shut(x->summary);
+    }
+    cns_summary_shut(x->summary);
+}
+
+/* What the norm is made of, in words: "theta, Vx (dynamic states of apw)". */
+static void norm_text(const cns_compare_result *r, FILE *out)
+{
+    bool first = true;
+    for (int k = 0; k < r->n; k++) {
+        if (!r->in_norm[k])
+            continue;
+        fprintf(out, "%s%s", first ? "" : ", ", r->name[k]);
+        first = false;
+    }
+    if (r->model)
+        fprintf(out, " (dynamic states of %s)", r->model);
+    else
+        fputs(" (all common columns)", out);
+}
+
+static void yaml_time(cns_summary *s, const char *key, const char *tc, const char *last)
+{
+    if (tc) {
+        cns_summary_text(s, key, tc);
+        return;
+    }
+    cns_summary_open_mapping(s, key);
+    cns_summary_text(s, "beyond", last ? last : "null");
+    cns_summary_shut(s);
+}
+
+static void print_yaml(cns_summary *s, const cns_compare_result *r, const char *delta)
+{
+    cns_page norm;
+    if (r->differs) {
+        cns_summary_open_mapping(s, "first_difference");
+        cns_summary_text(s, "t", r->first.t);
+        cns_summary_text(s, "column", r->name[r->first.column]);
+        cns_summary_text(s, "a", r->first.a);
+        cns_summary_text(s, "b", r->first.b);
+        cns_summary_shut(s);
+    } else {
+        cns_summary_text(s, "first_difference", "null");
+    }
+    cns_summary_text(s, "delta", delta);
+    cns_summary_open_mapping(s, "times");
+    yaml_time(s, "norm", r->norm_tc, r->norm_last);
+    for (int k = 0; k < r->n; k++)
+        yaml_time(s, r->name[k], r->tc[k], r->last[k]);
+    cns_summary_shut(s);
+    if (!cns_page_open(&norm)) {
+        norm_text(r, norm.file);
+        fclose(norm.file);
+        cns_summary_text(s, "norm_of", norm.text);
+        free(norm.text);
+    }
+    cns_summary_open_mapping(s, "rows");
+    cns_summary_long(s, "a", r->rows_a);
+    cns_summary_long(s, "b", r->rows_b);
+    cns_summary_long(s, "common", r->common);
+    cns_summary_shut(s);
+}
+
+static void print_time(FILE *out, const char *name, const char *tc, const char *last)
+{
+    fprintf(out, "# T_c of %s: %s%s\n", name, tc || !last ? "" : "> ",
+            tc     ? tc
+            : last ? last
+                   : "no value in common");
+}
+
+static void print_lines(FILE *out, const cns_compare_result *r, const char *delta)
+{
+    fprintf(out, "# common rows: %ld of %ld and %ld\n", r->common, r->rows_a, r->rows_b);
+    if (r->differs)
+        fprintf(out, "# first difference: t = %s, %s: %s and %s\n", r->first.t, r->name[r->first.column],
+                r->first.a, r->first.b);
+    else
+        fputs("# first difference: none\n", out);
+    fprintf(out, "# T_c: first common row beyond delta = %s; norm of ", delta);
+    norm_text(r, out);
+    fputc('\n', out);
+    print_time(out, "norm", r->norm_tc, r->norm_last);
+    for (int k = 0; k < r->n; k++)
+        print_time(out, r->name[k], r->tc[k], r->last[k]);
+}
+
+static void page_drop(cns_page *p)
+{
+    fclose(p->file);
+    free(p->text);
+}
+
+static int compare(const cns_options *o, const cns_number *delta, cns_table_reader *a, cns_table_reader *b)
+{
+    compare_context x = {.o = o};
+    cns_compare_result r;
+    cns_error err;
+    bool written = true;
+    cns_code code = cns_page_open(&x.page);
+    if (code)
+        return (int)code;
+    if (o->yaml) {
+        x.summary = cns_summary_open(x.page.file);
+        cns_summary_open_list(x.summary, "agreed");
+    }
+    const cns_compare_spec spec = {.a = cns_table_reader_rows(a),
+                                   .b = cns_table_reader_rows(b),
+                                   .delta = delta,
+                                   .context = &x,
+                                   .begin = on_begin,
+                                   .row = on_row};
+    code = cns_compare(&spec, &r, &err);
+    if (x.summary) {
+        cns_summary_shut(x.summary);
+        if (!code)
+            print_yaml(x.summary, &r, delta->text);
+        written = cns_summary_close(x.summary) != 0;
+    } else if (!code) {
+        print_lines(x.page.file, &r, delta->text);
+    }
+    cns_compare_result_clear(&r);
+    if (code || !written) {
+        page_drop(&x.page);
+        return code ? cns_complain(code, "%s", err.text) : cns_complain(CNS_IO, "cannot write the summary");
+    }
+    return cns_page_print(&x.page);
+}
+
+int cns_cmd_compare(const cns_options *o)
+{
+    cns_number delta;
+    cns_error err;
+    int status = cns_delta_read(o, &delta);
+    if (status)
+        return status;
+    if (!strcmp(o->operands[0], "-") && !strcmp(o->operands[1], "-")) {
+        cns_number_clear(&delta);
+        return cns_complain(CNS_USAGE, "only one of the two tables can be standard input");
+    }
+    cns_table_reader *a = cns_table_reader_open(o->operands[0], &err);
+    cns_table_reader *b = a ? cns_table_reader_open(o->operands[1], &err) : NULL;
+    status = b ? compare(o, &delta, a, b) : cns_complain(err.code, "%s", err.text);
+    cns_table_reader_close(a);
+    cns_table_reader_close(b);
+    cns_number_clear(&delta);
+    return status;
+}

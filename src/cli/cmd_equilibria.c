@@ -1,0 +1,97 @@
+/* cns equilibria: fixed points and how they attract or repel. */
+#include "cns/equilibria.h"
+
+#include <string.h>
+
+#include "cns/summary.h"
+#include "commands.h"
+#include "console.h"
+#include "setup.h"
+
+enum { STANDARD_DECIMALS = 30 };
+
+static void print_text(FILE *out, const cns_model *m, const cns_equilibria *e)
+{
+    int width = 2;
+    for (int k = 0; k < e->d; k++)
+        if ((int)strlen(m->states[e->index[k]].name) > width)
+            width = (int)strlen(m->states[e->index[k]].name);
+    for (int i = 0; i < e->n; i++) {
+        const cns_equilibrium *p = &e->item[i];
+        fprintf(out, "%s%s: %s, %d unstable %s\n", i > 0 ? "\n" : "", p->name, p->stability, p->unstable,
+                p->unstable == 1 ? "direction" : "directions");
+        for (int k = 0; k < e->d; k++)
+            fprintf(out, "  %-*s %s%s\n", width, m->states[e->index[k]].name,
+                    p->state[k][0] == '-' ? "" : " ", p->state[k]);
+        fputs("  eigenvalues\n", out);
+        for (int k = 0; k < e->d; k++) {
+            const cns_eigenvalue *l = &p->eigenvalues[k];
+            const bool minus = l->im[0] == '-';
+            fprintf(out, "  %*s %s%s", width, "", l->re[0] == '-' ? "" : " ", l->re);
+            if (strcmp(l->im, "0") != 0)
+                fprintf(out, " %c %s i", minus ? '-' : '+', l->im + minus);
+            fputc('\n', out);
+        }
+    }
+}
+
+static bool print_yaml(FILE *out, const cns_model *m, const cns_equilibria *e)
+{
+    cns_summary *s = cns_summary_open(out);
+    cns_summary_long(s, "decimals", e->decimals);
+    cns_summary_open_list(s, "equilibria");
+    for (int i = 0; i < e->n; i++) {
+        const cns_equilibrium *p = &e->item[i];
+        cns_summary_open_mapping(s, NULL);
+        cns_summary_text(s, "name", p->name);
+        cns_summary_text(s, "stability", p->stability);
+        cns_summary_long(s, "unstable", p->unstable);
+        cns_summary_open_mapping(s, "state");
+        for (int k = 0; k < e->d; k++)
+            cns_summary_text(s, m->states[e->index[k]].name, p->state[k]);
+        cns_summary_shut(s);
+        cns_summary_open_list(s, "eigenvalues");
+        for (int k = 0; k < e->d; k++) {
+            cns_summary_open_mapping(s, NULL);
+            cns_summary_text(s, "re", p->eigenvalues[k].re);
+            cns_summary_text(s, "im", p->eigenvalues[k].im);
+            cns_summary_shut(s);
+        }
+        cns_summary_shut(s);
+        cns_summary_shut(s);
+    }
+    cns_summary_shut(s);
+    return cns_summary_close(s) != 0;
+}
+
+static int print(const cns_setup *s, const cns_equilibria *e)
+{
+    cns_page page;
+    bool written = true;
+    int status = (int)cns_page_open(&page);
+    if (status)
+        return status;
+    if (s->o->yaml)
+        written = print_yaml(page.file, s->c->model, e);
+    else
+        print_text(page.file, s->c->model, e);
+    status = cns_page_print(&page);
+    return status || written ? status : cns_complain(CNS_IO, "cannot write the summary");
+}
+
+int cns_cmd_equilibria(const cns_options *o)
+{
+    cns_setup s;
+    cns_equilibria *e;
+    cns_error err = {0};
+    int status = cns_setup_open(o, &s);
+    if (status)
+        return status;
+    cns_code code = cns_equilibria_find(&s.study, o->digits > 0 ? o->digits : STANDARD_DECIMALS, &e, &err);
+    cns_meter_clear(&s.meter);
+    int printed = e != NULL ? print(&s, e) : 0;
+    status = cns_setup_status(&s, code, &err);
+    cns_equilibria_free(e);
+    cns_setup_close(&s);
+    return printed ? printed : status;
+}

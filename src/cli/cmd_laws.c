@@ -1,0 +1,202 @@
+/* cns laws: T_c against digits, step and smoothing. */
+#include <math.h>
+#include <string.h>
+
+#include "cns/laws.h"
+#include "cns/summary.h"
+#include "cns/trajectory.h"
+#include "commands.h"
+#include "console.h"
+#include "setup.h"
+
+static const struct words {
+    const char *key, *point, *title, *line;
+} words[CNS_LAW_KINDS] = {
+    {"digits_law", "digits", "T_c against digits K", "K"},
+    {"step_law", "step", "T_c against the step h", "(-log10 h)"},
+    {"smoothing_law", "eps", "T_c against the smoothing eps", "(-log10 eps)"},
+};
+
+/* Xu, Li, Li, Liao, equation for T_c: min of the two, case 1, K = 16..25. */
+static const struct {
+    double slope, intercept;
+} paper[CNS_LAW_KINDS] = {{10.95, 96.11}, {42.81, 112.56}, {0, 0}};
+
+static const char *observable(const cns_case *c)
+{
+    const int i = c->laws.observable;
+    return i == CNS_OBSERVABLE_NORM ? "norm" : c->model->states[i].name;
+}
+
+static double kappa_of(const cns_laws_result *r)
+{
+    const cns_law *law = &r->law[CNS_LAW_DIGITS];
+    return law->fitted ? log(10) / law->time.slope : NAN;
+}
+
+static void print_law(FILE *out, const cns_case *c, const cns_laws_result *r, cns_law_kind kind)
+{
+    const cns_law *law = &r->law[kind];
+    const cns_fit *f = &law->time, *g = &law->level;
+    const struct words *w = &words[kind];
+    fprintf(out, "\n%s\n  %-12s %12s %10s  %s\n", w->title, w->point, "T_c", "growth", "growth - level");
+    for (int i = 0; i < law->n; i++) {
+        const cns_law_point *p = &law->point[i];
+        if (p->left_out)
+            fprintf(out, "  %-12s left out: %s\n", p->text, p->left_out);
+        else if (law->fitted)
+            fprintf(out, "  %-12s %12.4f %10.2f  %+.2f\n", p->text, p->tc, p->growth,
+                    p->growth - (kind == CNS_LAW_DIGITS ? p->x : g->slope * p->x + g->intercept));
+        else
+            fprintf(out, "  %-12s %12.4f %10.2f\n", p->text, p->tc, p->growth);
+    }
+    if (!law->fitted) {
+        fprintf(out, "  no line: it needs three points and growth\n");
+        return;
+    }
+    fprintf(out, "  T_c = %.3f %s %+.2f\n", f->slope, w->line, f->intercept);
+    fprintf(out, "    slope      %.3f, standard error %.3f, 95 %% limits +- %.3f\n", f->slope, f->slope_se,
+            f->slope_95);
+    fprintf(out, "    intercept  %.2f, standard error %.2f, 95 %% limits +- %.2f\n", f->intercept,
+            f->intercept_se, f->intercept_95);
+    fprintf(out, "    R2 %.4f; robust slope (Theil-Sen) %.3f; efficient slope %.3f, standard error %.3f\n",
+            f->r2, f->slope_robust, f->slope_gls, f->slope_gls_se);
+    fprintf(out, "    growth at T_c: %.3f digits per unit, standard error %.3f; scatter %.2f digits\n",
+            g->slope, g->slope_se, g->residual_sd);
+    const cns_law *digits = &r->law[CNS_LAW_DIGITS];
+    if (kind != CNS_LAW_DIGITS && digits->fitted)
+        fprintf(out, "    slope over the slope per digit: %.3f%s\n", f->slope / digits->time.slope,
+                kind == CNS_LAW_STEPS ? ", roughly the order" : "");
+    const bool rk4 = kind != CNS_LAW_STEPS || c->laws.steps.method == CNS_METHOD_RK4;
+    if (strcmp(c->model->name, "apw") != 0 || paper[kind].slope == 0 || !rk4)
+        return;
+    const double off = fabs(f->slope - paper[kind].slope);
+    fprintf(out,
+            "    Xu, Li, Li, Liao for their case 1: %.2f and %.2f; their slope lies %s these 95 %% limits\n",
+            paper[kind].slope, paper[kind].intercept, off <= f->slope_95 ? "within" : "outside");
+}
+
+static void print_report(FILE *out, const cns_case *c, const cns_laws_result *r)
+{
+    const double expected = log(10) / r->lambda;
+    fprintf(out, "Critical predictable times of %s, observable %s, delta = %s\n", c->name, observable(c),
+            c->laws.delta.text);
+    fprintf(out,
+            "reference: %ld digits to t = %g; its error there 10^%.1f by tangents, 10^%.1f by a second "
+            "reference\n",
+            r->reference_digits, r->reference_end, r->reference_error, r->reference_check);
+    fprintf(out,
+            "growth along it: lambda = %.4f +- %.4f, %.2f per digit; standard deviation %.3f digits per "
+            "root of time\n",
+            r->lambda, r->lambda_se, expected, sqrt(r->variance));
+    for (int k = 0; k < CNS_LAW_KINDS; k++)
+        if (r->law[k].n > 0)
+            print_law(out, c, r, (cns_law_kind)k);
+    const cns_law *a = &r->law[CNS_LAW_DIGITS], *h = &r->law[CNS_LAW_STEPS];
+    if (a->fitted)
+        fprintf(out, "\nkappa = ln 10 / slope per digit = %.4f; lambda = %.4f +- %.4f\n", kappa_of(r),
+                r->lambda, r->lambda_se);
+    if (a->fitted && h->fitted)
+        fprintf(out, "T_c ~ min{%.2f K %+.2f, %.2f log10 h %+.2f}\n", a->time.slope, a->time.intercept,
+                -h->time.slope, h->time.intercept);
+    if (a->fitted && h->fitted && strcmp(c->model->name, "apw") == 0)
+        fprintf(out, "T_c ~ min{10.95 K +96.11, -42.81 log10 h +112.56} in the paper, for its case 1\n");
+}
+
+static void summarise_law(cns_summary *s, const cns_law *law, const struct words *w)
+{
+    cns_summary_open_mapping(s, w->key);
+    if (law->fitted) {
+        const cns_fit *f = &law->time;
+        cns_summary_number(s, "slope", f->slope, 7);
+        cns_summary_number(s, "slope_se", f->slope_se, 4);
+        cns_summary_number(s, "slope_95", f->slope_95, 4);
+        cns_summary_number(s, "intercept", f->intercept, 7);
+        cns_summary_number(s, "intercept_se", f->intercept_se, 4);
+        cns_summary_number(s, "r2", f->r2, 6);
+        cns_summary_number(s, "slope_robust", f->slope_robust, 7);
+        cns_summary_number(s, "slope_gls", f->slope_gls, 7);
+        cns_summary_number(s, "slope_gls_se", f->slope_gls_se, 4);
+        cns_summary_number(s, "growth_slope", law->level.slope, 6);
+        cns_summary_number(s, "growth_slope_se", law->level.slope_se, 3);
+        cns_summary_number(s, "growth_scatter", law->level.residual_sd, 3);
+    }
+    for (int out = 0; out < 2; out++) {
+        cns_summary_open_list(s, out ? "left_out" : "points");
+        for (int i = 0; i < law->n; i++) {
+            const cns_law_point *p = &law->point[i];
+            if ((p->left_out != NULL) != out)
+                continue;
+            cns_summary_open_mapping(s, NULL);
+            cns_summary_text(s, w->point, p->text);
+            if (out) {
+                cns_summary_text(s, "why", p->left_out);
+            } else {
+                cns_summary_number(s, "tc", p->tc, 9);
+                cns_summary_number(s, "growth", p->growth, 5);
+            }
+            cns_summary_shut(s);
+        }
+        cns_summary_shut(s);
+    }
+    cns_summary_shut(s);
+}
+
+static bool print_summary(FILE *out, const cns_case *c, const cns_laws_result *r)
+{
+    cns_summary *s = cns_summary_open(out);
+    cns_summary_text(s, "delta", c->laws.delta.text);
+    cns_summary_text(s, "observable", observable(c));
+    cns_summary_long(s, "reference_digits", r->reference_digits);
+    cns_summary_number(s, "reference_end", r->reference_end, 12);
+    for (int k = 0; k < CNS_LAW_KINDS; k++)
+        if (r->law[k].n > 0)
+            summarise_law(s, &r->law[k], &words[k]);
+    if (r->law[CNS_LAW_DIGITS].fitted)
+        cns_summary_number(s, "kappa", kappa_of(r), 6);
+    cns_summary_number(s, "lambda", r->lambda, 6);
+    cns_summary_number(s, "lambda_se", r->lambda_se, 3);
+    return cns_summary_close(s) != 0;
+}
+
+static int print(const cns_setup *s, const cns_laws_result *r)
+{
+    cns_page page;
+    bool written = true;
+    const cns_code code = cns_page_open(&page);
+    if (code)
+        return (int)code;
+    if (s->o->yaml)
+        written = print_summary(page.file, s->c, r);
+    else
+        print_report(page.file, s->c, r);
+    const int status = cns_page_print(&page);
+    return status ? status : written ? 0 : cns_complain(CNS_IO, "cannot write the summary");
+}
+
+int cns_cmd_laws(const cns_options *o)
+{
+    cns_setup s;
+    cns_error err = {0};
+    cns_laws_result r;
+    int status = cns_setup_open(o, &s);
+    if (status)
+        return status;
+    if (!s.c->has_laws) {
+        fprintf(stderr, "%s:1:1: no 'laws': `cns laws` needs that section\n", s.c->name);
+        cns_setup_close(&s);
+        return CNS_USAGE;
+    }
+    status = cns_setup_status(&s, cns_laws(&s.study, &s.c->laws, o->output, &r, &err), &err);
+    if (!status)
+        status = print(&s, &r);
+    for (int k = 0; k < CNS_LAW_KINDS && !status; k++)
+        if (r.law[k].n > 0 && !r.law[k].fitted)
+            status = cns_complain(CNS_UNREACHED, "no line for %s: fewer than three points, or no growth",
+                                  words[k].key);
+    if (o->verbose && !status)
+        fprintf(stderr, "cns: %.2f s\n", cns_seconds() - s.since);
+    cns_laws_result_clear(&r);
+    cns_setup_close(&s);
+    return status;
+}

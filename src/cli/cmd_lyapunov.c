@@ -1,0 +1,148 @@
+/* cns lyapunov: the largest exponent, with its error. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "cns/lyapunov.h"
+#include "cns/summary.h"
+#include "cns/trajectory.h"
+#include "cns/version.h"
+#include "commands.h"
+#include "console.h"
+#include "core/files.h"
+#include "setup.h"
+
+/* A figure and its error to the same decimals, two significant ones of the error. */
+static int decimals_for(double se)
+{
+    int decimals = 1;
+    for (double unit = 0.1; decimals < 9 && se < 9.95 * unit; unit /= 10)
+        decimals++;
+    return decimals;
+}
+
+static void print_arithmetic(FILE *out, const cns_lyapunov_spec *spec, int order)
+{
+    if (spec->arithmetic == CNS_ARITH_DOUBLE)
+        fprintf(out, "double (53 bits)");
+    else
+        fprintf(out, "%s, %ld digits (%ld bits)", spec->arithmetic == CNS_ARITH_FAST ? "fast" : "mpfr",
+                spec->digits, (long)cns_digits_to_bits(spec->digits));
+    fprintf(out, ", Taylor series of order %d, states and tangent alike", order);
+}
+
+static void print_table(FILE *out, const cns_case *c, const cns_lyapunov_result *r)
+{
+    const cns_lyapunov_spec *spec = &c->lyapunov;
+    const int decimals = decimals_for(r->se);
+    fprintf(out, "# cns %s: largest Lyapunov exponent: %s\n", CNS_VERSION, c->model->title);
+    fprintf(out, "# case: %s, SHA-256 %s\n", c->name, c->sha256);
+    for (const char *line = c->overrides; line && *line;) {
+        size_t length = strcspn(line, "\n");
+        fprintf(out, "# override: %.*s\n", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+    fprintf(out, "# arithmetic: ");
+    print_arithmetic(out, spec, r->order);
+    fprintf(
+        out,
+        "\n# transient left out: t < %g\n# a mean over the attractor: at a fixed precision the trajectory is "
+        "shadowed at best, not followed\n",
+        r->discarded);
+    fprintf(out, "t,lambda,se\n");
+    for (int k = 0; k < CNS_LYAPUNOV_ROWS; k++)
+        fprintf(out, "%.9g,%.*f,%.*f\n", r->row[k].t, decimals, r->row[k].lambda, decimals, r->row[k].se);
+    fprintf(out, "# standard error by the number of batches, and their length:");
+    for (int b = 0; b < CNS_LYAPUNOV_COUNTS; b++)
+        fprintf(out, "%s %d (%g): %.*f", b > 0 ? "," : "", r->batch[b].count, r->batch[b].length, decimals,
+                r->batch[b].se);
+    fprintf(out, "\n# lambda = %.*f +- %.*f over T = %s\n# complete\n", decimals, r->lambda, decimals, r->se,
+            spec->time.text);
+}
+
+static void print_summary(FILE *out, const cns_case *c, const cns_lyapunov_result *r, bool *written)
+{
+    char text[32];
+    const int decimals = decimals_for(r->se);
+    cns_summary *s = cns_summary_open(out);
+    snprintf(text, sizeof text, "%.*f", decimals, r->lambda);
+    cns_summary_text(s, "lambda", text);
+    snprintf(text, sizeof text, "%.*f", decimals, r->se);
+    cns_summary_text(s, "lambda_se", text);
+    cns_summary_text(s, "time", c->lyapunov.time.text);
+    cns_summary_number(s, "discarded", r->discarded, 9);
+    cns_summary_long(s, "order", r->order);
+    cns_summary_long(s, "steps", r->steps);
+    cns_summary_long(s, "events", r->events);
+    cns_summary_open_list(s, "batches");
+    for (int b = 0; b < CNS_LYAPUNOV_COUNTS; b++) {
+        cns_summary_open_mapping(s, NULL);
+        cns_summary_long(s, "count", r->batch[b].count);
+        cns_summary_number(s, "length", r->batch[b].length, 9);
+        cns_summary_number(s, "se", r->batch[b].se, 3);
+        cns_summary_shut(s);
+    }
+    cns_summary_shut(s);
+    *written = cns_summary_close(s) != 0;
+}
+
+static int print(const cns_setup *s, const cns_lyapunov_result *r)
+{
+    const cns_options *o = s->o;
+    cns_page page;
+    cns_error err;
+    bool written = true;
+    if (o->output) {
+        char *text = NULL;
+        size_t size;
+        FILE *out = open_memstream(&text, &size);
+        if (!out)
+            return cns_complain(CNS_IO, "out of memory");
+        print_table(out, s->c, r);
+        bool lost = ferror(out) != 0;
+        lost = fclose(out) != 0 || lost;
+        cns_code code =
+            lost ? cns_fail(&err, CNS_IO, "out of memory") : cns_file_replace(o->output, text, &err);
+        free(text);
+        if (code)
+            return cns_complain(code, "%s", err.text);
+        if (!o->yaml)
+            return 0;
+    }
+    int status = (int)cns_page_open(&page);
+    if (status)
+        return status;
+    if (o->yaml)
+        print_summary(page.file, s->c, r, &written);
+    else
+        print_table(page.file, s->c, r);
+    status = cns_page_print(&page);
+    return status || written ? status : cns_complain(CNS_IO, "cannot write the summary");
+}
+
+int cns_cmd_lyapunov(const cns_options *o)
+{
+    cns_setup s;
+    cns_error err = {0};
+    cns_lyapunov_result result;
+    int status = cns_setup_open(o, &s);
+    if (status)
+        return status;
+    const cns_lyapunov_spec *spec = &s.c->lyapunov;
+    const cns_lyapunov_problem problem = {.program = s.program,
+                                          .scales = s.scales,
+                                          .initial = s.c->initial,
+                                          .time = cns_number_get_d(&spec->time),
+                                          .arithmetic = spec->arithmetic,
+                                          .digits = spec->digits,
+                                          .stop = s.study.stop,
+                                          .progress = s.study.progress,
+                                          .context = s.study.context};
+    status = cns_setup_status(&s, cns_lyapunov(&problem, &result, &err), &err);
+    if (!status)
+        status = print(&s, &result);
+    if (!status && o->verbose)
+        fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", result.steps, result.events,
+                cns_seconds() - s.since);
+    cns_setup_close(&s);
+    return status;
+}

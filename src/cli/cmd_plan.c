@@ -1,0 +1,121 @@
+/* cns plan: what a time and a number of decimals will need. */
+#include <math.h>
+
+#include "cns/solve.h"
+#include "cns/summary.h"
+#include "commands.h"
+#include "console.h"
+#include "core/text.h"
+#include "setup.h"
+
+enum { STANDARD_DECIMALS = 10, STANDARD_MAX_DIGITS = 5000, MOST_ROWS = 10000000 };
+
+/* --until: a time as in case files. */
+static int parse_until(const char *text, cns_number *until)
+{
+    cns_error err;
+    if (cns_number_parse(until, text, &err) || until->pi_power != 0 || cns_number_sign(until) <= 0)
+        return cns_complain(CNS_USAGE, "--until takes a rational number above 0, not '%s'",
+                            cns_quote(text).text);
+    return 0;
+}
+
+static cns_goal goal_of(const cns_case *c, const cns_options *o)
+{
+    cns_goal goal = c->has_goal ? c->goal
+                                : (cns_goal){.places = CNS_PLACES_DECIMALS,
+                                             .count = STANDARD_DECIMALS,
+                                             .max_digits = STANDARD_MAX_DIGITS};
+    if (o->decimals > 0) {
+        goal.places = CNS_PLACES_DECIMALS;
+        goal.count = o->decimals;
+    }
+    return goal;
+}
+
+static void print_text(FILE *out, const cns_problem *p, const cns_goal *goal, const cns_run_info *plan)
+{
+    fprintf(out, "to t = %s with %ld %s:\n", p->end->text, goal->count,
+            goal->places == CNS_PLACES_DECIMALS ? "decimals" : "significant digits");
+    fprintf(out, "digits   %ld, proof with %ld\n", plan->digits, plan->proof_digits);
+    fprintf(out, "order    %d, proof with %d\n", plan->order, plan->proof_order);
+    fprintf(out, "growth   10^%.1f, margin 10^%.1f\n", plan->growth, plan->margin);
+    fprintf(out, "steps    about %.0f\n", plan->steps);
+    fprintf(out, "memory   about %.1f MB\n", plan->memory / 1e6);
+    fprintf(out, "time     about %.*f s, %s\n", plan->seconds < 10 ? 2 : 0, plan->seconds,
+            p->threads > 1 ? "two threads" : "one thread");
+}
+
+static bool print_yaml(FILE *out, const cns_problem *p, const cns_run_info *plan)
+{
+    cns_summary *s = cns_summary_open(out);
+    cns_summary_text(s, "until", p->end->text);
+    cns_summary_long(s, "digits", plan->digits);
+    cns_summary_long(s, "order", plan->order);
+    cns_summary_long(s, "steps", lround(plan->steps));
+    cns_summary_long(s, "memory_bytes", lround(plan->memory));
+    cns_summary_seconds(s, "seconds", plan->seconds);
+    cns_summary_long(s, "proof_digits", plan->proof_digits);
+    cns_summary_number(s, "growth", plan->growth, 4);
+    cns_summary_number(s, "margin", plan->margin, 3);
+    cns_summary_long(s, "threads", p->threads > 1 ? 2 : 1);
+    return cns_summary_close(s) != 0;
+}
+
+static int print(const cns_setup *s, const cns_goal *goal, const cns_run_info *plan)
+{
+    cns_page page;
+    int status = (int)cns_page_open(&page);
+    bool written = true;
+    if (status)
+        return status;
+    if (s->o->yaml)
+        written = print_yaml(page.file, &s->problem, plan);
+    else
+        print_text(page.file, &s->problem, goal, plan);
+    status = cns_page_print(&page);
+    return status || written ? status : cns_complain(CNS_IO, "cannot write the summary");
+}
+
+static int plan_to(cns_setup *s)
+{
+    const cns_goal goal = goal_of(s->c, s->o);
+    const double end = cns_number_get_d(s->problem.end);
+    long digits[CNS_PLAN_PARTS];
+    cns_schedule schedule = {.digits = digits};
+    cns_run_info plan;
+    cns_error err = {0};
+    if (end / cns_number_get_d(s->problem.every) > MOST_ROWS)
+        return cns_complain(CNS_USAGE, "more than %d rows up to t = %g", MOST_ROWS, end);
+    int status = cns_setup_status(s, cns_plan(&s->problem, &goal, &plan, &schedule, &err), &err);
+    if (status)
+        return status;
+    if (plan.followed < end)
+        return cns_complain(CNS_NUMERIC, "no plan beyond t = %.12g: the preliminary run ends there: %s",
+                            plan.followed, err.text);
+    if (plan.digits > goal.max_digits)
+        fprintf(stderr, "cns: more digits than max_digits (%ld) allows\n", goal.max_digits);
+    return print(s, &goal, &plan);
+}
+
+int cns_cmd_plan(const cns_options *o)
+{
+    cns_setup s;
+    cns_number until;
+    int status = cns_setup_open(o, &s);
+    if (status)
+        return status;
+    cns_number_init(&until);
+    if (o->until) {
+        status = parse_until(o->until, &until);
+        /* Without `every` the only row is the end. */
+        if (cns_number_cmp(s.problem.every, s.problem.end) == 0)
+            s.problem.every = &until;
+        s.problem.end = &until;
+    }
+    if (!status)
+        status = plan_to(&s);
+    cns_number_clear(&until);
+    cns_setup_close(&s);
+    return status;
+}

@@ -1,0 +1,81 @@
+/* The motion as a sequence of returns to a section, with the symmetries taken out: its late part found by
+ * following the case's own trajectory. Private to src/study. */
+#ifndef CNS_STUDY_RETURNS_H
+#define CNS_STUDY_RETURNS_H
+
+#include "cns/sections.h"
+#include "cns/study.h"
+
+/* What is followed, and what counts as a return. With an angle: angle = k (2 pi / turns), any k; a return's
+ * reduced state is its state turned back k times and, where the angle falls and there is a mirror image,
+ * mirrored, so that all motions that are the same up to these symmetries have the same reduced states.
+ * Without an angle: a state rises through a level that it crosses in its late motion. */
+typedef struct cns_system {
+    const cns_study *study;
+    const cns_model_motion
+        *motion; /* NULL: no angle, or one that does not turn or swing through its section */
+    cns_program *program;
+    int n, d;   /* states; dynamic ones */
+    int *index; /* of the dynamic states */
+    cns_section section;
+    int observable;
+    long limit;   /* steps a trajectory is followed for, at most */
+    double until; /* time to follow it for instead; 0: the limit */
+} cns_system;
+
+cns_code cns_system_open(cns_system *S, const cns_study *study, int observable, double until, cns_error *err);
+void cns_system_close(cns_system *S);
+
+/* The factor that takes dynamic state i of a return to its reduced state. */
+int cns_system_sign(const cns_system *S, int i, long turns, int direction);
+
+/* Does a meeting with the section count as a return, after one of this direction (0: the first)? */
+bool cns_system_counts(const cns_system *S, const cns_meeting *m, int before);
+
+enum { CNS_MOST_RETURNS = 32 }; /* in one repetition */
+
+typedef enum cns_late_kind {
+    CNS_LATE_OPEN, /* nothing of the others within the limit */
+    CNS_LATE_STEADY,
+    CNS_LATE_CYCLE,
+    CNS_LATE_CHAOS
+} cns_late_kind;
+
+typedef struct cns_late {
+    cns_late_kind kind;
+    int returns;         /* cycle: in one repetition up to symmetry */
+    int direction;       /* of the angle at z; 1 where reduced states are mirrored */
+    int d;               /* numbers in a reduced state */
+    int side;            /* the angle's true direction at the last return */
+    long turns;          /* and its turns there */
+    mpfr_t *z;           /* cycle: the reduced states of its last `returns` returns, the last one first */
+    long cycle_turns;    /* turns of the angle in one repetition */
+    bool cycle_mirrored; /* it ends in the mirror image */
+    double gap_log2;     /* and how far it was from the one before, in scales */
+    bool trusted;        /* noise has never grown to what could decide anything */
+    double noise_log2;   /* the most that it has grown to at a return, in scales */
+    double lambda, lambda_se; /* exponent of the second half of the time followed; se < 0: too short */
+    double transient;         /* the late motion is there from this time on */
+    double time;              /* followed up to */
+    long steps;
+    int extrema; /* chaos: the last maxima of the observable */
+    double extremum[64];
+} cns_late;
+
+/* digits 0: double. */
+cns_code cns_late_find(const cns_system *S, long digits, cns_late *late, cns_error *err);
+void cns_late_clear(cns_late *late);
+
+/* Working precision for so many digits; 0: that of double. */
+mpfr_prec_t cns_study_bits(long digits);
+
+/* Flows of this study's accuracy: Taylor, adaptive; digits 0: double. */
+cns_flow_spec cns_study_flow(const cns_study *s, const cns_program *p, const double *scales, long digits);
+
+mpfr_t *cns_reals_new(int n, mpfr_prec_t prec); /* zeros */
+void cns_reals_free(mpfr_t *x, int n);
+
+/* A number whose value is exactly x. */
+void cns_number_from_mpfr(cns_number *n, mpfr_srcptr x);
+
+#endif

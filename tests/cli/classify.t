@@ -1,0 +1,116 @@
+# Modes of motions, sweeps over a parameter, and tables of events.
+
+= flutter, and what is known of it
+$ cns classify -q --yaml "$CASES"/flutter.yaml
+> mode: flutter
+> period: 15.9529832448
+> symmetry: mirror
+> winding: 0
+> returns: 1
+> multiplier: 0.05699
+> re:^amplitude: 1\.518
+> re:^descent: 0\.584
+> drift:
+> re:^  x: 0\.0000000000$
+> ...
+> lambda: 0
+> lambda_se: 0
+> observable: omega
+> maxima:
+> ...
+> re:^transient: 
+> re:^time: 
+> digits: 30
+
+= tumbling just above the critical value
+$ cns classify -q "$CASES"/tumble-1.2192.yaml | head -n 5
+> mode        tumble
+> re:^period      55\.9797|^period      55\.9794
+> symmetry    turn
+> re:^winding     -?1 
+> re:^returns     1 
+
+= period two
+$ cns classify -q "$CASES"/modes.yaml | sed -n '1,2p;5p'
+> mode        tumble
+> re:^period      13\.35873794
+> re:^returns     2 
+
+= chaos, by its exponent
+$ cns classify -q --yaml "$CASES"/case4.yaml | grep -e '^mode' -e '^lambda:'
+> mode: chaotic
+> re:^lambda: 0\.1[234]
+
+= undecided is status 1
+$ cns classify -q --until 20 "$CASES"/flutter.yaml
+> re:^mode        undecided   .*up to t = 20
+? 1
+
+= a sweep: a row for every value, kept and used again, whatever the threads
+$ cns classify -q --threads 1 "$CASES"/flutter.yaml --sweep I=1.1:1.2:1/10 > a
+$ cns classify -q --threads 3 "$CASES"/flutter.yaml --sweep I=1.1:1.2:1/10 -o kept > b
+$ cmp a b; ls kept
+$ cns classify -q "$CASES"/flutter.yaml --sweep I=1.1:1.2:0.1 -o kept | sed 's/sweep.*/sweep/' > c; sed 's/sweep.*/sweep/' a | cmp - c
+$ grep -v '^#' a | cut -d, -f1-6
+> I=1.1
+> I=1.2
+> I,mode,symmetry,returns,winding,period
+> 1.1,flutter,mirror,1,0,15.9529832448
+> 1.2,flutter,mirror,1,0,25.2220502254
+
+= faults of the command line
+$ cns classify "$CASES"/flutter.yaml --sweep I=2:1:1 || echo $?
+$ cns classify "$CASES"/flutter.yaml --sweep J=1:2:1 || echo $?
+$ cns classify "$CASES"/flutter.yaml --observable foo || echo $?
+$ cns classify "$CASES"/flutter.yaml --until soon || echo $?
+$ cns classify "$CASES"/flutter.yaml -o there || echo $?
+> 2
+> 2
+> 2
+> 2
+> 2
+2> re:--sweep: a sweep goes upwards
+2> re:--sweep: .*no such parameter
+2> re:--observable: .*no state 'foo'
+2> re:--until takes a time
+2> re:needs --sweep
+
+= events: proven like rows, fewer decimals are the more, rounded
+$ cat > a.yaml; for d in 6 9; do cns run -q a.yaml --set goal.decimals=$d --events e$d --section Vy=extremum -o t; done
+$ for d in 6 9; do grep -v '^#' e$d | tail -n +2 | cut -d, -f3-9 | tr ',' '\n' > $d; done
+$ paste 6 9 | awk '{d = $1 - $2; if (d * d > 0.2501e-12) print "no rounding: " $0} END {print NR}'
+$ cut -d, -f1,2,10 e9 | grep -v '^#'
+| model: apw
+| initial: {theta: 1, Vy: 0.01, omega: 1}
+| time: {end: 8, every: 4}
+| goal: {decimals: 6}
+> 28
+> event,direction,decimals
+> Vy extremum,1,9
+> theta=1*pi,1,9
+> Vy extremum,-1,9
+> omega=0,-1,9
+
+= events of a run by hand carry the digits of the arithmetic, and say so
+$ cat > a.yaml; cns run -q a.yaml --events e -o t; grep -c UNPROVEN e; cns run -q --prove a.yaml --events p -o t
+$ grep -c UNPROVEN p || true; grep '^theta' e | cut -d, -f1,3; grep '^theta' p | cut -d, -f1,3,10
+| model: apw
+| initial: {theta: 1, Vy: 0.01, omega: 1}
+| time: {end: 5, every: 5}
+| numerics: {arithmetic: fast, digits: 20}
+> 1
+> 0
+> re:^theta=1\*pi,3\.70660244594701[0-9]{5}$
+> re:^theta=1\*pi,3\.70660244594701[0-9]*,1[0-9]$
+
+= sections that are none
+$ for s in Vy Vy=x foo=1 'theta=0 mod 0'; do cns run -q "$CASES"/flutter.yaml --events e --section "$s" -o t || echo $?; done; ls
+$ cns run -q "$CASES"/flutter.yaml --section Vy=0 || echo $?
+$ cns run -q "$CASES"/lorenz.yaml --events e || echo $?
+> 2
+> 2
+> 2
+> 2
+> 2
+> 2
+2> ...

@@ -1,0 +1,94 @@
+# cns laws: critical predictable times against digits, step and smoothing.
+
+= the summary's keys, and the same bytes whatever the threads
+$ cat > a.yaml; cns laws -q --yaml a.yaml --threads 1 > one; cns laws -q --yaml a.yaml --threads 2 | cmp - one
+$ sed 's/: .*/:/' one | awk '!seen[$0]++'
+| model: lorenz
+| initial: {x: -15.8, y: -17.48, z: 35.64}
+| time: {end: 500, every: 1/4}
+| laws: {digits: {from: 6, to: 9}, steps: {method: rk4, digits: 20, from: 1e-2, to: 2e-3, per_decade: 6}}
+> delta:
+> observable:
+> reference_digits:
+> reference_end:
+> digits_law:
+>   slope:
+>   slope_se:
+>   slope_95:
+>   intercept:
+>   intercept_se:
+>   r2:
+>   slope_robust:
+>   slope_gls:
+>   slope_gls_se:
+>   growth_slope:
+>   growth_slope_se:
+>   growth_scatter:
+>   points:
+>   - digits:
+>     tc:
+>     growth:
+>   left_out:
+> step_law:
+>   - step:
+> kappa:
+> lambda:
+> lambda_se:
+
+= what is left out is named, and a text for people says how good the lines are
+$ cat > a.yaml; cns laws -q a.yaml > text; grep -c 'left out: no T_c up to t = 30' text; grep -c 'standard error' text
+$ grep -o 'observable y, delta = 0.1' text; grep -c 'lambda = .* +- ' text
+| model: lorenz
+| initial: {x: -15.8, y: -17.48, z: 35.64}
+| time: {end: 30, every: 1/4}
+| laws: {delta: 0.1, observable: y, digits: {from: 5, to: 17, by: 4}}
+> 1
+> 4
+> observable y, delta = 0.1
+> 2
+
+= stopped by a signal, it keeps what is done and goes on from there
+$ cat > a.yaml; timeout --preserve-status -s INT 1 "$CNS" laws -q --threads 2 -o runs a.yaml && exit || echo $?
+$ cns laws -q --yaml -o runs a.yaml > again; ls runs | sed 's/-reference.*//; s/-growth.*//' | sort
+$ touch -d '2001-01-01' runs/*; cns laws -q --yaml -o runs a.yaml | cmp - again; find runs -type f -newermt '2002-01-01'
+$ cns laws -q --yaml a.yaml | cmp - again
+| model: lorenz
+| initial: {x: -15.8, y: -17.48, z: 35.64}
+| time: {end: 500, every: 1/4}
+| laws: {digits: {from: 8, to: 68, by: 20}}
+> 130
+> check
+> digits-28
+> digits-48
+> digits-68
+> digits-8
+> re:^reference-[0-9]+$
+
+= a case without the section, and what cannot be done
+$ cat > a.yaml; cns laws a.yaml && exit || echo $?
+$ echo 'laws: {delta: 0.01}' >> a.yaml; cns laws a.yaml && exit || echo $?
+| model: lorenz
+| time: {end: 3}
+> 2
+> 2
+2> re:a\.yaml:1:1: no 'laws'
+2> re:none of 'digits', 'steps' and 'smoothing'
+
+= a law without a line is an exit of its own, and its points are printed
+$ cat > a.yaml; cns laws -q --yaml a.yaml > y || echo $?; grep -c 'tc:' y
+| model: lorenz
+| initial: {x: -15.8, y: -17.48, z: 35.64}
+| time: {end: 500, every: 1/4}
+| laws: {digits: {from: 6, to: 7}}
+> 1
+> 2
+2> cns: no line for digits_law: fewer than three points, or no growth
+
+= a directory that cannot be made
+$ cat > a.yaml; cns laws -q -o no/such a.yaml
+| model: lorenz
+| initial: {x: 1}
+| time: {end: 300, every: 1/4}
+| laws: {digits: {from: 5, to: 6}}
+2> re:no/such
+? 4

@@ -1,0 +1,189 @@
+/* Plans against the runs they are made for. */
+#include <math.h>
+#include <stdlib.h>
+#include <time.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+#include "cns/solve.h"
+#include "problem.h"
+
+typedef struct planned {
+    const char *model, *smooth;
+    const char *initial[6];
+    const char *end, *every;
+    cns_places places;
+    long count;
+    double error; /* of the steps, relative */
+} planned;
+
+static const planned goals[] = {
+    {"apw", NULL, {"0", "0", "1", "0", "0.01", "1"}, "25", "1/2", CNS_PLACES_DECIMALS, 10, 0.2},
+    {"apw", "1e-6", {"0", "0", "1", "0", "0.01", "1"}, "20", "1", CNS_PLACES_DECIMALS, 10, 0.3},
+    {"apw", NULL, {"0", "0", "1", "0", "0.01", "1"}, "20", "20", CNS_PLACES_SIGNIFICANT, 60, 0.2},
+    {"lorenz", NULL, {"-15.8", "-17.48", "35.64"}, "20", "1", CNS_PLACES_DECIMALS, 15, 0.2},
+};
+
+/* The problem of a goal; cleared with problem_clear(). */
+typedef struct setting {
+    cns_program *program;
+    cns_number *initial, *times;
+    cns_column columns[1];
+    cns_sink sink;
+    cns_problem problem;
+} setting;
+
+static void setting_open(setting *s, const planned *g)
+{
+    const char *times[] = {g->end, g->every};
+    s->program = model_program(g->model, g->smooth);
+    s->initial = numbers_new(cns_program_states(s->program), g->initial);
+    s->times = numbers_new(2, times);
+    s->columns[0] = (cns_column){.kind = CNS_COLUMN_STATE, .index = 0};
+    s->sink = (cns_sink){0};
+    s->problem = (cns_problem){.program = s->program,
+                               .scales = unit_scales,
+                               .initial = s->initial,
+                               .end = &s->times[0],
+                               .every = &s->times[1],
+                               .columns = s->columns,
+                               .n_columns = 1,
+                               .threads = 1,
+                               .sink = &s->sink};
+}
+
+static void setting_close(setting *s)
+{
+    numbers_free(s->initial, cns_program_states(s->program));
+    numbers_free(s->times, 2);
+    cns_program_free(s->program);
+}
+
+static cns_run_info plan_for(const setting *s, cns_places places, long count)
+{
+    long digits[CNS_PLAN_PARTS];
+    cns_schedule schedule = {.digits = digits};
+    cns_goal goal = {.places = places, .count = count, .max_digits = 5000};
+    cns_run_info plan;
+    cns_error err;
+    check_ok(cns_plan(&s->problem, &goal, &plan, &schedule, &err), &err);
+    ck_assert(plan.followed == cns_number_get_d(s->problem.end));
+    return plan;
+}
+
+static double processor_seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Digits and order exactly, at the first try; steps within 20 %, or 30 % where smoothed kinks take most. */
+START_TEST(run_is_what_was_planned)
+{
+    setting s;
+    cns_error err;
+    cns_result result;
+    setting_open(&s, &goals[_i]);
+    cns_goal goal = {.places = goals[_i].places, .count = goals[_i].count, .max_digits = 5000};
+    cns_run_info plan = plan_for(&s, goal.places, goal.count);
+    double since = processor_seconds();
+    check_ok(cns_solve_goal(&s.problem, &goal, &result, &err), &err);
+    double took = processor_seconds() - since;
+    ck_assert(result.reached);
+    ck_assert_int_eq(result.run.attempt, 1);
+    ck_assert_int_eq(plan.digits, result.run.digits);
+    ck_assert_int_eq(plan.proof_digits, result.run.proof_digits);
+    ck_assert_int_eq(plan.order, result.run.order);
+    ck_assert_double_le(fabs(plan.steps - (double)result.steps), goals[_i].error * (double)result.steps);
+    /* Within a factor of two on a quiet machine; a busy one shares its caches, too. */
+    ck_assert_msg(plan.seconds < 4 * took && took < 4 * plan.seconds, "%.3f s planned, %.3f s taken",
+                  plan.seconds, took);
+    setting_close(&s);
+}
+END_TEST
+
+START_TEST(more_decimals_cost_more)
+{
+    setting s;
+    setting_open(&s, &goals[0]);
+    cns_run_info few = plan_for(&s, CNS_PLACES_DECIMALS, 10), many = plan_for(&s, CNS_PLACES_DECIMALS, 400);
+    ck_assert_int_eq(many.digits - few.digits, 390);
+    ck_assert_double_gt(many.memory, few.memory + 1e6);
+    ck_assert_double_gt(many.seconds, 5 * few.seconds);
+    setting_close(&s);
+}
+END_TEST
+
+/* x' = x^2 from 1 has a pole at t = 1. */
+START_TEST(says_how_far_it_came)
+{
+    static const char *const one[] = {"1"}, *const times[] = {"2", "1/8"};
+    setting s = {.columns = {{.kind = CNS_COLUMN_STATE}}};
+    s.program = program_new(1, NULL);
+    cns_derivative(s.program, 0, cns_sqr(s.program, cns_state(s.program, 0)));
+    finished(s.program);
+    s.initial = numbers_new(1, one);
+    s.times = numbers_new(2, times);
+    s.problem = (cns_problem){.program = s.program,
+                              .scales = unit_scales,
+                              .initial = s.initial,
+                              .end = &s.times[0],
+                              .every = &s.times[1],
+                              .columns = s.columns,
+                              .n_columns = 1,
+                              .threads = 1,
+                              .sink = &s.sink};
+    long digits[CNS_PLAN_PARTS];
+    cns_schedule schedule = {.digits = digits};
+    cns_goal goal = {.places = CNS_PLACES_DECIMALS, .count = 10, .max_digits = 5000};
+    cns_run_info plan;
+    cns_error err = {0};
+    check_ok(cns_plan(&s.problem, &goal, &plan, &schedule, &err), &err);
+    ck_assert(plan.followed == 0.875);
+    ck_assert_int_eq(err.code, CNS_NUMERIC);
+    setting_close(&s);
+}
+END_TEST
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+static double heap(void)
+{
+    struct mallinfo2 m = mallinfo2();
+    return (double)m.uordblks + (double)m.hblkhd;
+}
+
+/* What a flow says it holds, against the heap. */
+START_TEST(memory_is_what_is_allocated)
+{
+    cns_program *p = model_program("apw", NULL);
+    for (int arithmetic = CNS_ARITH_FAST; arithmetic <= CNS_ARITH_MPFR; arithmetic++)
+        for (long digits = 100; digits <= 600; digits += 250) {
+            cns_flow_spec spec = taylor_spec(p, digits);
+            spec.arithmetic = (cns_arithmetic)arithmetic;
+            double before = heap();
+            cns_flow *f = flow_new(&spec);
+            double held = heap() - before, told = (double)cns_flow_bytes(f);
+            cns_flow_free(f);
+            ck_assert_msg(fabs(told / held - 1) < 0.1, "%ld digits: %.0f bytes told, %.0f held", digits, told,
+                          held);
+        }
+    cns_program_free(p);
+}
+END_TEST
+#endif
+
+Suite *suite_plan(void)
+{
+    Suite *s = suite_create("plan");
+    TCase *t = tcase_create("plan");
+    tcase_add_loop_test(t, run_is_what_was_planned, 0, (int)(sizeof goals / sizeof *goals));
+    tcase_add_test(t, more_decimals_cost_more);
+    tcase_add_test(t, says_how_far_it_came);
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+    tcase_add_test(t, memory_is_what_is_allocated);
+#endif
+    suite_add_tcase(s, t);
+    return s;
+}
