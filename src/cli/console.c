@@ -5,7 +5,6 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "core/files.h"
 
@@ -64,20 +63,8 @@ int cns_page_print(cns_page *p)
     return code;
 }
 
-static cns_code write_special(const char *path, const char *text, cns_error *err)
-{
-    FILE *f = fopen(path, "w");
-    if (f == NULL)
-        return cns_fail(err, CNS_IO, "cannot write %s: %s", path, strerror(errno));
-    bool lost = fputs(text, f) < 0;
-    if (fclose(f) != 0 || lost)
-        return cns_fail(err, CNS_IO, "cannot write %s: %s", path, strerror(errno));
-    return CNS_OK;
-}
-
 int cns_page_write(cns_page *p, const char *path)
 {
-    struct stat there;
     cns_error err;
     if (path == NULL)
         return cns_page_print(p);
@@ -86,9 +73,7 @@ int cns_page_write(cns_page *p, const char *path)
         free(p->text);
         return cns_complain(CNS_IO, "out of memory");
     }
-    cns_code code = stat(path, &there) == 0 && !S_ISREG(there.st_mode)
-                        ? write_special(path, p->text, &err)
-                        : cns_file_replace(path, p->text, &err);
+    cns_code code = cns_file_replace(path, p->text, &err);
     free(p->text);
     return code ? cns_complain(code, "%s", err.text) : CNS_OK;
 }

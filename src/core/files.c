@@ -31,35 +31,57 @@ char *cns_file_text(const char *path)
     return text;
 }
 
-static cns_code failed(const char *path, int cause, cns_error *err)
+/* What is there and not an ordinary file; /dev/stdout may be one and is meant to be written to all the same.
+ */
+static bool special(const char *path)
 {
-    return cns_fail(err, CNS_IO, "cannot write %.300s: %s", path, strerror(cause));
+    struct stat what;
+    return stat(path, &what) == 0 && (!S_ISREG(what.st_mode) || strncmp(path, "/dev/", 5) == 0);
+}
+
+FILE *cns_file_create(const char *path, char **aside)
+{
+    const size_t size = strlen(path) + 8;
+    *aside = NULL;
+    if (special(path))
+        return fopen(path, "w");
+    *aside = cns_xalloc(size, 1);
+    snprintf(*aside, size, "%s.XXXXXX", path);
+    const int fd = mkstemp(*aside);
+    const mode_t mask = umask(0); /* mkstemp is for secrets; this has the mode of any new file */
+    umask(mask);
+    if (fd >= 0)
+        fchmod(fd, 0666 & ~mask);
+    FILE *f = fd >= 0 ? fdopen(fd, "w") : NULL;
+    if (f == NULL) {
+        const int cause = errno;
+        free(*aside);
+        *aside = NULL;
+        errno = cause;
+    }
+    return f;
 }
 
 cns_code cns_file_replace(const char *path, const char *text, cns_error *err)
 {
-    const size_t size = strlen(path) + 8;
-    char *aside = cns_xalloc(size, 1);
-    snprintf(aside, size, "%s.XXXXXX", path);
-    int fd = mkstemp(aside);
-    FILE *out = fd < 0 ? NULL : fdopen(fd, "wb");
-    cns_code code = CNS_OK;
-    if (out == NULL) {
-        code = failed(path, errno, err);
-        if (fd >= 0)
-            close(fd);
-    } else {
+    char *aside;
+    FILE *out = cns_file_create(path, &aside);
+    int cause = errno;
+    bool good = out != NULL;
+    if (good) {
         errno = 0;
-        bool good = fputs(text, out) >= 0 && fflush(out) == 0 && fsync(fd) == 0;
-        const int cause = errno;
+        good = fputs(text, out) >= 0 && fflush(out) == 0 && (aside == NULL || fsync(fileno(out)) == 0);
+        cause = errno;
         good = fclose(out) == 0 && good;
-        if (!good || rename(aside, path) != 0)
-            code = failed(path, good ? errno : cause, err);
+        if (good && aside != NULL && rename(aside, path) != 0) {
+            cause = errno;
+            good = false;
+        }
+        if (!good && aside != NULL)
+            unlink(aside);
     }
-    if (code != CNS_OK && fd >= 0)
-        unlink(aside);
     free(aside);
-    return code;
+    return good ? CNS_OK : cns_fail(err, CNS_IO, "cannot write %.300s: %s", path, strerror(cause));
 }
 
 cns_code cns_directory_make(const char *path, cns_error *err)

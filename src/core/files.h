@@ -2,11 +2,18 @@
 #ifndef CNS_CORE_FILES_H
 #define CNS_CORE_FILES_H
 
+#include <stdio.h>
+
 #include "cns/status.h"
 
 /* The text of a file, NUL-terminated, a new string; NULL when it cannot be read. */
 char *cns_file_text(const char *path);
 
+/* Opens a file to be written. *aside is a new string, its name until it is renamed to path; NULL for a device
+ * or a pipe, which is written to directly. NULL, with errno, when it cannot be opened. */
+FILE *cns_file_create(const char *path, char **aside);
+
+/* Writes it whole. */
 cns_code cns_file_replace(const char *path, const char *text, cns_error *err);
 
 /* Makes the directory if it is not there; its parent must be. */

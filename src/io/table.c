@@ -3,10 +3,10 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "cns/version.h"
+#include "core/files.h"
 #include "core/memory.h"
 
 struct cns_table {
@@ -23,17 +23,6 @@ static cns_code failed(cns_table *t, int cause, cns_error *err)
                     t->path ? t->path : "to standard output", strerror(cause));
 }
 
-/* Is the file of that name one to replace by renaming? A device or a pipe is written to directly. */
-static bool special(const char *path)
-{
-    FILE *f = fopen(path, "r+");
-    if (!f)
-        return false;
-    bool seekable = fseek(f, 0, SEEK_END) == 0 && ftell(f) >= 0;
-    fclose(f);
-    return !seekable || !strncmp(path, "/dev/", 5);
-}
-
 cns_table *cns_table_open(const char *path, const cns_case *c, cns_error *err)
 {
     cns_table *t = cns_xalloc(1, sizeof *t);
@@ -42,20 +31,7 @@ cns_table *cns_table_open(const char *path, const cns_case *c, cns_error *err)
     if (!path)
         return t;
     t->path = cns_xcopy(path);
-    if (special(path)) {
-        t->file = fopen(path, "w");
-    } else {
-        size_t length = strlen(path);
-        t->aside = cns_xgrow(NULL, length + 8, 1);
-        memcpy(t->aside, path, length);
-        memcpy(t->aside + length, ".XXXXXX", 8);
-        int fd = mkstemp(t->aside);
-        mode_t mask = umask(0); /* mkstemp is for secrets; a table has the mode of any new file */
-        umask(mask);
-        if (fd >= 0)
-            fchmod(fd, 0666 & ~mask);
-        t->file = fd >= 0 ? fdopen(fd, "w") : NULL;
-    }
+    t->file = cns_file_create(path, &t->aside);
     if (!t->file) {
         failed(t, errno, err);
         free(t->path);

@@ -298,3 +298,14 @@ $ { sleep 0.3; cns check a.yaml || echo "pipe $?" >&3; } | :
 > closed 4
 > pipe 141
 2> ...
+
+= every file has the mode of a new file, those of a study too
+$ umask 027; cat > a.yaml; cns run -q a.yaml -o a.csv --events e.csv --section z=20
+$ cns laws -q a.yaml -o runs >/dev/null
+$ find . -type f ! -name a.yaml ! -perm 640; find runs -type f | grep -c .
+| model: lorenz
+| initial: {x: 1, y: 1, z: 1}
+| time: {end: 40, every: 1/4}
+| goal: {decimals: 3}
+| laws: {digits: {from: 4, to: 6}}
+> re:^[1-9]
