@@ -17,7 +17,7 @@ static const cns_command commands[] = {
      "it prints with a second, finer run. With `numerics` it computes as told; --prove adds the\n"
      "second run.\n"
      "--events writes a second table, when the first is complete: the moments at which the angle\n"
-     "is a multiple of a turn and its rate is zero (APW: theta = k pi, omega = 0), and those of\n"
+     "is a multiple of half a turn and its rate is zero (APW: theta = k pi, omega = 0), and those of\n"
      "--section, with the states there; proven like the rows, by runs of its own. A section is\n"
      "STATE=VALUE, STATE=VALUE mod PERIOD, or STATE=extremum. `direction` is the sign of the\n"
      "change (at a maximum -1), 0 where the state only touches. For the events alone: -o /dev/null.\n"},
@@ -211,9 +211,9 @@ void cns_options_print(const cns_command *command, FILE *out)
         snprintf(shown, sizeof shown, "--%s%s%s", row->name, row->argument != NULL ? " " : "",
                  row->argument != NULL ? row->argument : "");
         if (row->letter != 0)
-            fprintf(out, "  -%c, %-16s %s\n", row->letter, shown, row->meaning);
+            fprintf(out, "  -%c, %-20s %s\n", row->letter, shown, row->meaning);
         else
-            fprintf(out, "      %-16s %s\n", shown, row->meaning);
+            fprintf(out, "      %-20s %s\n", shown, row->meaning);
     }
 }
 
