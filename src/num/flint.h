@@ -4,9 +4,11 @@
 
 #if __has_include(<flint/acb_mat.h>)
 #include <flint/acb_mat.h>
+#include <flint/acb_poly.h>
 #include <flint/arb_mat.h>
 #else
 #include <acb_mat.h>
+#include <acb_poly.h>
 #include <arb_mat.h>
 #endif
 
