@@ -1,11 +1,11 @@
 /* Plans against the runs they are made for. */
 #include <math.h>
 #include <stdlib.h>
-#include <time.h>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
 
+#include "cns/clock.h"
 #include "cns/solve.h"
 #include "problem.h"
 
@@ -72,13 +72,6 @@ static cns_run_info plan_for(const setting *s, cns_places places, long count)
     return plan;
 }
 
-static double processor_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* Digits and order exactly, at the first try; steps within 20 %, or 30 % where smoothed kinks take most. */
 START_TEST(run_is_what_was_planned)
 {
@@ -88,9 +81,9 @@ START_TEST(run_is_what_was_planned)
     setting_open(&s, &goals[_i]);
     cns_goal goal = {.places = goals[_i].places, .count = goals[_i].count, .max_digits = 5000};
     cns_run_info plan = plan_for(&s, goal.places, goal.count);
-    double since = processor_seconds();
+    double since = cns_process_seconds();
     check_ok(cns_solve_goal(&s.problem, &goal, &result, &err), &err);
-    double took = processor_seconds() - since;
+    double took = cns_process_seconds() - since;
     ck_assert(result.reached);
     ck_assert_int_eq(result.run.attempt, 1);
     ck_assert_int_eq(plan.digits, result.run.digits);

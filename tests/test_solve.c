@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "cns/case.h"
+#include "cns/clock.h"
 #include "cns/model.h"
 #include "cns/solve.h"
 #include "cns/trajectory.h"

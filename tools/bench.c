@@ -3,8 +3,8 @@
 #include <mpfr.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
+#include "cns/clock.h"
 #include "cns/integrate.h"
 #include "cns/jet.h"
 #include "cns/model.h"
@@ -249,13 +249,6 @@ static void check_same(hand *h, const cns_jet *J, mpfr_prec_t prec)
 }
 
 /* Processor time: other programs do not count. */
-static double cpu_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static void run(const cns_program *program, long digits, int order, double seconds)
 {
     enum { MOST = 1001 };
@@ -279,19 +272,20 @@ static void run(const cns_program *program, long digits, int order, double secon
     hand_expand(&h);
     check_same(&h, J, prec);
     int n = 0;
-    for (double from = cpu_seconds(); n < MOST && (n < 9 || cpu_seconds() - from < seconds); n++) {
+    for (double from = cns_process_seconds(); n < MOST && (n < 9 || cns_process_seconds() - from < seconds);
+         n++) {
         double t[3];
-        t[0] = cpu_seconds();
+        t[0] = cns_process_seconds();
         if (n % 2)
             engine_expand(J, order, state);
         else
             hand_expand(&h);
-        t[1] = cpu_seconds();
+        t[1] = cns_process_seconds();
         if (n % 2)
             hand_expand(&h);
         else
             engine_expand(J, order, state);
-        t[2] = cpu_seconds();
+        t[2] = cns_process_seconds();
         engine[n] = n % 2 ? t[1] - t[0] : t[2] - t[1];
         byhand[n] = n % 2 ? t[2] - t[1] : t[1] - t[0];
         ratio[n] = engine[n] / byhand[n];

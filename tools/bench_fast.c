@@ -13,11 +13,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "cns/arith.h"
 #include "cns/bench.h"
+#include "cns/clock.h"
 #include "cns/integrate.h"
 #include "cns/jet.h"
 #include "num/fixed.h"
@@ -28,13 +28,6 @@ static void die(const char *what)
 {
     fprintf(stderr, "bench_fast: %s\n", what);
     exit(1);
-}
-
-static double cpu_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 static int by_size(const void *a, const void *b)
@@ -61,13 +54,13 @@ typedef unsigned long long lanes __attribute__((vector_size(64)));
 static double ifma_rate(void)
 {
     const long loops = 2000000;
-    double from = cpu_seconds();
+    double from = cns_process_seconds();
     for (long i = 0; i < loops; i++)
         __asm__ volatile(CHAIN(0) CHAIN(1) CHAIN(2) CHAIN(3) CHAIN(4) CHAIN(5) CHAIN(6) CHAIN(7) CHAIN(8)
                              CHAIN(9) CHAIN(10) CHAIN(11) CHAIN(12) CHAIN(13) CHAIN(14) CHAIN(15)::
                                  : "xmm0", "xmm1", "xmm2", "xmm3", "xmm4", "xmm5", "xmm6", "xmm7", "xmm8",
                                    "xmm9", "xmm10", "xmm11", "xmm12", "xmm13", "xmm14", "xmm15");
-    return 16.0 * 8.0 * (double)loops / (cpu_seconds() - from);
+    return 16.0 * 8.0 * (double)loops / (cns_process_seconds() - from);
 }
 #endif
 
@@ -82,7 +75,7 @@ static double wide_rate(void)
         b[i] = seed >> (i % 5);
     }
     unsigned __int128 s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-    double from = cpu_seconds();
+    double from = cns_process_seconds();
     for (long i = 0; i < loops; i++) {
         for (int j = 0; j < TERMS; j += 4) {
             s0 += (unsigned __int128)a[j] * b[j];
@@ -92,7 +85,7 @@ static double wide_rate(void)
         }
         a[i & (TERMS - 1)] ^= (uint64_t)s0 & 1; /* not to be moved out of the loop */
     }
-    double seconds = cpu_seconds() - from;
+    double seconds = cns_process_seconds() - from;
     seed ^= (uint64_t)(s0 + s1 + s2 + s3) & 1;
     return (double)TERMS * (double)loops / seconds;
 }

@@ -13,8 +13,8 @@
 #include <mpfr.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
+#include "cns/clock.h"
 #include "cns/integrate.h"
 #include "num/fixed.h"
 
@@ -26,13 +26,6 @@ static void die(const char *what)
     exit(1);
 }
 
-static double cpu_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* The least time of several bursts, each at least a few milliseconds long. */
 typedef struct timing {
     double best, from;
@@ -42,10 +35,10 @@ typedef struct timing {
 static bool again(timing *t, double per_burst)
 {
     enum { BURSTS = 7 };
-    const double now = cpu_seconds();
+    const double now = cns_process_seconds();
     if (t->bursts++ > 0)
         t->best = fmin(t->best, (now - t->from) / per_burst);
-    t->from = cpu_seconds();
+    t->from = cns_process_seconds();
     return t->bursts <= BURSTS;
 }
 

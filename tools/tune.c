@@ -11,9 +11,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "cns/bench.h"
+#include "cns/clock.h"
 #include "cns/integrate.h"
 #include "cns/jet.h"
 #include "num/logs.h"
@@ -23,13 +23,6 @@ static void die(const char *what)
 {
     fprintf(stderr, "tune: %s\n", what);
     exit(1);
-}
-
-static double cpu_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 static cns_bench_problem *problem(cns_bench_system system)
@@ -100,8 +93,8 @@ static void order_row(cns_bench_system system, cns_bench_engine engine, long dig
     const double seconds = 8; /* for a row, about */
     cns_bench_problem *p = problem(system);
     cost rule = {0}, each[CANDIDATES] = {{0}};
-    const double until = system == CNS_BENCH_LORENZ ? 1 : 3, began = cpu_seconds();
-    for (int r = 0; r < ROUNDS && (r < LEAST_ROUNDS || cpu_seconds() - began < seconds); r++) {
+    const double until = system == CNS_BENCH_LORENZ ? 1 : 3, began = cns_process_seconds();
+    for (int r = 0; r < ROUNDS && (r < LEAST_ROUNDS || cns_process_seconds() - began < seconds); r++) {
         measure(&rule, p, engine, digits, 0, until);
         for (int i = 0; i < CANDIDATES; i++) {
             const int turn = (i + r) % CANDIDATES;
@@ -258,13 +251,13 @@ static void decay_row(long digits)
         for (int i = 0; i < BURST; i++)
             expand(p, (const mpfr_t *)at.end, x[c].J, x[c].order, x[c].H);
     }
-    const double began = cpu_seconds();
-    for (int r = 0; r < REPEATS && (r < LEAST_ROUNDS || cpu_seconds() - began < seconds); r++)
+    const double began = cns_process_seconds();
+    for (int r = 0; r < REPEATS && (r < LEAST_ROUNDS || cns_process_seconds() - began < seconds); r++)
         for (int c = 0; c < CHOICES; c++) {
-            const double from = cpu_seconds();
+            const double from = cns_process_seconds();
             for (int i = 0; i < BURST; i++)
                 expand(p, (const mpfr_t *)at.end, x[c].J, x[c].order, x[c].H);
-            x[c].best = fmin(x[c].best, (cpu_seconds() - from) / BURST / x[c].H);
+            x[c].best = fmin(x[c].best, (cns_process_seconds() - from) / BURST / x[c].H);
         }
     const double allowed = NOISE_ALLOWED - STATE_GUARD;
     for (int c = 0; c < CHOICES; c++) {
@@ -309,9 +302,9 @@ static void small_row(cns_bench_system system, long digits, int order)
     cns_bench_problem *p = problem(system);
     cost first = {0}, cost_of[CNS_BENCH_ENGINES] = {{0}};
     measure(&first, p, CNS_BENCH_MPFR, digits, order, 1e-9);
-    const double until = STEPS / first.steps, began = cpu_seconds();
+    const double until = STEPS / first.steps, began = cns_process_seconds();
     free(first.least);
-    for (int r = 0; r < SMALL_ROUNDS && (r < LEAST_ROUNDS || cpu_seconds() - began < seconds); r++)
+    for (int r = 0; r < SMALL_ROUNDS && (r < LEAST_ROUNDS || cns_process_seconds() - began < seconds); r++)
         for (int e = 0; e < CNS_BENCH_ENGINES; e++)
             if (cns_bench_has((cns_bench_engine)e))
                 measure(&cost_of[e], p, (cns_bench_engine)e, digits, order, until);

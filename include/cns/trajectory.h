@@ -45,6 +45,4 @@ bool cns_trajectory_late(const cns_trajectory *t); /* was the deadline the reaso
 bool cns_sample_init(cns_sample *s, const cns_program *p, mpfr_prec_t prec); /* false: out of memory */
 void cns_sample_clear(cns_sample *s);
 
-double cns_seconds(void); /* monotonic clock, for progress and deadlines only */
-
 #endif

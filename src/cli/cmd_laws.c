@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "cns/clock.h"
 #include "cns/laws.h"
 #include "cns/summary.h"
 #include "cns/trajectory.h"

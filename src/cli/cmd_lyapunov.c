@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cns/clock.h"
 #include "cns/lyapunov.h"
 #include "cns/summary.h"
 #include "cns/trajectory.h"

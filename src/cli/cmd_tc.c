@@ -1,6 +1,7 @@
 /* cns tc: the critical predictable time of a run by numerics. */
 #include <string.h>
 
+#include "cns/clock.h"
 #include "cns/predictable.h"
 #include "cns/summary.h"
 #include "cns/trajectory.h"

@@ -6,6 +6,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "cns/clock.h"
 #include "cns/trajectory.h"
 
 static const double terminal_pause = 0.2, plain_pause = 30; /* seconds */

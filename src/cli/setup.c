@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "cns/arith.h"
+#include "cns/clock.h"
 #include "cns/trajectory.h"
 #include "console.h"
 #include "core/memory.h"

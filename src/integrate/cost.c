@@ -1,8 +1,8 @@
 #include "cost.h"
 
 #include <math.h>
-#include <time.h>
 
+#include "cns/clock.h"
 #include "cns/jet.h"
 #include "cns/trajectory.h"
 #include "num/logs.h"
@@ -21,13 +21,6 @@ static const double measuring_part = 1.0 / 600; /* of the time predicted, for ea
 typedef struct level {
     double digits, step, row; /* seconds */
 } level;
-
-double cns_thread_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static double two_to(double x)
 {

@@ -30,6 +30,4 @@ void cns_tally_step(void *tally, const cns_flow *f);
 void cns_cost_predict(const cns_problem *p, const cns_flow_spec *fine, const cns_flow_spec *coarse,
                       const cns_tally *tally, cns_run_info *plan);
 
-double cns_thread_seconds(void); /* of processor time of this thread */
-
 #endif

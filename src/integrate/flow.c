@@ -24,7 +24,7 @@ struct cns_flow {
     mpfr_t tolerance, difference;
 };
 
-enum { GUARD_BITS = 16, TIME_BITS = 128, CHECK_BITS = 96, MALLOC_BYTES = 16 };
+enum { GUARD_BITS = 16, TIME_BITS = 128, CHECK_BITS = 96 };
 
 mpfr_prec_t cns_digits_to_bits(long digits)
 {
@@ -69,28 +69,6 @@ const cns_arith_ops *cns_flow_plain_arith(const cns_flow_spec *spec)
 {
     const cns_arith_ops *ops = cns_flow_arith(spec);
     return ops->in_steps ? &cns_arith_mpfr : ops;
-}
-
-mpfr_t *cns_vector_new(int n, mpfr_prec_t prec)
-{
-    mpfr_t *v = malloc(((size_t)n + 1) * sizeof *v);
-    for (int i = 0; v && i < n; i++) {
-        mpfr_init2(v[i], prec);
-        mpfr_set_zero(v[i], 1);
-    }
-    return v;
-}
-
-void cns_vector_free(mpfr_t *v, int n)
-{
-    for (int i = 0; v && i < n; i++)
-        mpfr_clear(v[i]);
-    free(v);
-}
-
-size_t cns_vector_bytes(int n, mpfr_prec_t prec)
-{
-    return (size_t)n * (sizeof(mpfr_t) + mpfr_custom_get_size(prec) + MALLOC_BYTES);
 }
 
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)

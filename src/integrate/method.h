@@ -4,6 +4,7 @@
 
 #include "cns/integrate.h"
 #include "cns/jet.h"
+#include "num/vector.h"
 
 typedef struct cns_step {
     mpfr_t h;            /* out: the length of the step, at the precision of time; in: see limit */
@@ -40,8 +41,5 @@ extern const cns_method_ops cns_method_rk4;
 const cns_arith_ops *cns_flow_arith(const cns_flow_spec *spec);
 /* The same, or where that wants H near a step, the one that serves single values and its failures. */
 const cns_arith_ops *cns_flow_plain_arith(const cns_flow_spec *spec);
-mpfr_t *cns_vector_new(int n, mpfr_prec_t prec); /* zeros; aborts never, NULL: out of memory */
-void cns_vector_free(mpfr_t *v, int n);
-size_t cns_vector_bytes(int n, mpfr_prec_t prec); /* of memory in such a vector */
 
 #endif

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "cns/clock.h"
 #include "cost.h"
 #include "num/logs.h"
 #include "solve_inside.h"
@@ -15,43 +16,6 @@ enum {
     LEAST_DIGITS = 10,
     WINDOWS = 64
 };
-
-bool cns_row_time(const cns_problem *p, unsigned long row, mpq_t time)
-{
-    mpz_t count;
-    mpz_init_set_ui(count, row);
-    mpq_set_z(time, count);
-    mpz_clear(count);
-    mpq_mul(time, time, p->every->ratio);
-    if (mpq_cmp(time, p->end->ratio) < 0)
-        return true;
-    /* The end is a row, once: it is this one if the row before was not at the end yet. */
-    mpq_sub(time, time, p->every->ratio);
-    bool first = row == 0 || mpq_cmp(time, p->end->ratio) < 0;
-    mpq_set(time, p->end->ratio);
-    return first;
-}
-
-bool cns_wants_outputs(const cns_problem *p)
-{
-    for (int i = 0; i < p->n_columns; i++)
-        if (p->columns[i].kind == CNS_COLUMN_OUTPUT)
-            return true;
-    return false;
-}
-
-cns_flow_spec cns_taylor_spec(const cns_problem *p, long digits)
-{
-    double tolerance = -(double)digits * CNS_LOG2_10;
-    return (cns_flow_spec){.program = p->program,
-                           .scales = p->scales,
-                           .method = CNS_METHOD_TAYLOR,
-                           .arithmetic = CNS_ARITH_FAST,
-                           .prec = cns_digits_to_bits(digits),
-                           .order = cns_order_for(tolerance, CNS_ARITH_FAST),
-                           .tolerance_log2 = tolerance,
-                           .stop = p->stop};
-}
 
 /* The text of column c of a sample needs so many decimals beyond the goal's count. */
 static double extra_places(const cns_problem *p, const cns_goal *goal, const cns_sample *s)

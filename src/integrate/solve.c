@@ -6,6 +6,7 @@
 
 #include "ahead.h"
 #include "cns/arith.h"
+#include "cns/clock.h"
 #include "core/memory.h"
 #include "num/logs.h"
 #include "solve_inside.h"
@@ -16,8 +17,7 @@ enum {
     NOISE_SLACK = 24,
     SEARCH = 60, /* decimals looked through for one that does not straddle */
     RAISES = 12,
-    DOUBLE_PRINTED = 17, /* digits that tell doubles apart */
-    FINE_SAFETY_PERCENT = 10
+    DOUBLE_PRINTED = 17 /* digits that tell doubles apart */
 };
 
 /* One or two trajectories walking from row to row. */
@@ -271,17 +271,6 @@ static void finish(walk *w, cns_result *result)
     }
 }
 
-void cns_proof_specs(const cns_problem *p, long digits, const cns_schedule *schedule, long shift,
-                     cns_flow_spec *fine, cns_flow_spec *coarse)
-{
-    *fine = cns_taylor_spec(p, digits);
-    *coarse = cns_taylor_spec(p, digits - CNS_PROOF_DIGITS);
-    fine->safety = FINE_SAFETY_PERCENT / 100.0;
-    fine->schedule = coarse->schedule = schedule;
-    fine->schedule_shift = shift + CNS_PROOF_DIGITS;
-    coarse->schedule_shift = shift;
-}
-
 static cns_code describe(cns_run_info *info, long digits, const cns_flow_spec *fine,
                          const cns_flow_spec *coarse, cns_error *err)
 {
@@ -389,25 +378,6 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
     return code;
 }
 
-cns_flow_spec cns_given_spec(const cns_problem *p, const cns_numerics *n)
-{
-    cns_flow_spec given = cns_taylor_spec(p, n->digits > 0 ? n->digits : 16);
-    given.method = n->method;
-    given.arithmetic = n->arithmetic;
-    given.step = n->fixed_step ? &n->step : NULL;
-    if (!n->auto_tolerance) {
-        mpfr_t x;
-        mpfr_init2(x, 64);
-        cns_number_get_mpfr(x, &n->tolerance);
-        given.tolerance_log2 = cns_log2_mpfr(x);
-        mpfr_clear(x);
-    }
-    given.order = cns_order_for(given.tolerance_log2, given.arithmetic);
-    if (n->order > 0)
-        given.order = (int)n->order;
-    return given;
-}
-
 cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool prove, cns_result *result,
                             cns_error *err)
 {
@@ -433,7 +403,7 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
             fine.step = &half_step;
         }
         fine.tolerance_log2 -= CNS_PROOF_DIGITS * CNS_LOG2_10;
-        fine.safety = FINE_SAFETY_PERCENT / 100.0;
+        fine.safety = CNS_FINE_SAFETY;
         if (n->method == CNS_METHOD_TAYLOR)
             fine.order = n->order > 0 ? given.order + given.order / 8 + 2
                                       : cns_order_for(fine.tolerance_log2, fine.arithmetic);

@@ -13,6 +13,9 @@ enum {
     CNS_PROOF_SAFETY_LOG2 = 4
 };
 
+/* The finer run takes steps shorter by 2^-CNS_FINE_SAFETY. */
+#define CNS_FINE_SAFETY 0.1
+
 /* The time of row number `row`: a multiple of every, at most the end. False: there is no such row. */
 bool cns_row_time(const cns_problem *p, unsigned long row, mpq_t time);
 

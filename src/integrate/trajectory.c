@@ -2,8 +2,8 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <time.h>
 
+#include "cns/clock.h"
 #include "cns/jet.h"
 #include "method.h"
 
@@ -17,13 +17,6 @@ struct cns_trajectory {
     mpfr_t x;
     bool late;
 };
-
-double cns_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 bool cns_sample_init(cns_sample *s, const cns_program *p, mpfr_prec_t prec)
 {

@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "cns/arith.h"
+#include "cns/clock.h"
 #include "cns/integrate.h"
 #include "cns/model.h"
 #include "cns/trajectory.h"
@@ -151,13 +151,6 @@ bool cns_bench_has(cns_bench_engine engine)
 
 /* One run. */
 
-static double cpu_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 void cns_bench_run_clear(cns_bench_run *run)
 {
     for (int i = 0; i < run->n; i++)
@@ -172,10 +165,10 @@ static cns_code reach(cns_flow *f, double until, cns_bench_run *run, cns_error *
 {
     cns_code code = CNS_OK;
     while (!code && mpfr_cmp_d(cns_flow_end(f), until) < 0) {
-        const double from = cpu_seconds();
+        const double from = cns_process_seconds();
         code = cns_flow_step(f, err);
         run->each = cns_xgrow(run->each, (size_t)run->taken + 1, sizeof *run->each);
-        run->each[run->taken++] = cpu_seconds() - from;
+        run->each[run->taken++] = cns_process_seconds() - from;
     }
     return code;
 }

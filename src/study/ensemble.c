@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cns/clock.h"
 #include "cns/trajectory.h"
 #include "core/files.h"
 #include "core/memory.h"
