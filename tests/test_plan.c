@@ -97,6 +97,39 @@ START_TEST(run_is_what_was_planned)
 }
 END_TEST
 
+typedef struct watch {
+    double last, halfway;
+} watch;
+
+static void watch_progress(void *context, const cns_progress *p)
+{
+    watch *seen = context;
+    ck_assert(p->fraction >= seen->last && p->fraction <= 1);
+    seen->last = p->fraction;
+    if (p->t <= p->end / 2)
+        seen->halfway = p->fraction;
+}
+
+/* Precision falls with time: by half of it, more than half of the work is done. */
+START_TEST(progress_is_that_of_the_work)
+{
+    static const planned g = {"lorenz", NULL, {"-15.8", "-17.48", "35.64"}, "100", "1/2", CNS_PLACES_DECIMALS,
+                              10,       0};
+    setting s;
+    cns_error err;
+    cns_result result;
+    watch seen = {0, 0};
+    setting_open(&s, &g);
+    s.sink = (cns_sink){.context = &seen, .progress = watch_progress};
+    cns_goal goal = {.places = g.places, .count = g.count, .max_digits = 5000};
+    check_ok(cns_solve_goal(&s.problem, &goal, &result, &err), &err);
+    ck_assert_double_gt(seen.halfway, 0.6);
+    ck_assert_double_lt(seen.halfway, 0.95);
+    ck_assert_double_eq_tol(seen.last, 1, 1e-9);
+    setting_close(&s);
+}
+END_TEST
+
 START_TEST(more_decimals_cost_more)
 {
     setting s;
@@ -172,6 +205,7 @@ Suite *suite_plan(void)
     Suite *s = suite_create("plan");
     TCase *t = tcase_create("plan");
     tcase_add_loop_test(t, run_is_what_was_planned, 0, (int)(sizeof goals / sizeof *goals));
+    tcase_add_test(t, progress_is_that_of_the_work);
     tcase_add_test(t, more_decimals_cost_more);
     tcase_add_test(t, says_how_far_it_came);
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)

@@ -39,6 +39,8 @@ typedef struct cns_numerics {
     cns_number tolerance; /* > 0 unless auto_tolerance */
 } cns_numerics;
 
+#define CNS_PLAN_PARTS 64
+
 /* How a run is done, resolved: for provenance and messages. */
 typedef struct cns_run_info {
     long attempt; /* 1.. */
@@ -54,7 +56,9 @@ typedef struct cns_run_info {
     double growth;         /* log10 of the largest growth of noise expected */
     double margin;         /* digits added for its fluctuation */
     double steps, seconds; /* of the printed run; of both, on a machine with nothing else to do */
-    double memory;         /* bytes, the program itself and its libraries with it */
+    double
+        done[CNS_PLAN_PARTS]; /* which part of these seconds has gone at the end of each part of the time */
+    double memory;            /* bytes, the program itself and its libraries with it */
 } cns_run_info;
 
 typedef struct cns_row {
@@ -66,6 +70,7 @@ typedef struct cns_row {
 typedef struct cns_progress {
     const cns_run_info *run;
     double t, end, seconds; /* of this attempt */
+    double fraction;        /* of its work, 0..1: by the plan, where there is one */
 } cns_progress;
 
 /* What a run reports, while it goes on. Any function may be NULL. A sink's failure ends the run. */
@@ -108,7 +113,6 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *numerics, 
  * schedule->digits has room for CNS_PLAN_PARTS numbers: the digits of the coarser run by time,
  * plan->proof_digits being the most. A preliminary run that fails is no error: plan->followed is then below
  * the end, and err says why. */
-#define CNS_PLAN_PARTS 64
 cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_schedule *schedule,
                   cns_error *err);
 

@@ -51,7 +51,7 @@ static void on_progress(void *context, const cns_progress *p)
     run_context *r = context;
     char what[128];
     snprintf(what, sizeof what, "t = %g of %g, %ld digits", p->t, p->end, p->run->digits);
-    cns_meter_show(&r->setup.meter, p->t / p->end, p->seconds, what);
+    cns_meter_show(&r->setup.meter, p->fraction, p->seconds, what);
 }
 
 static int print_summary(const cns_result *result, const cns_case *c)

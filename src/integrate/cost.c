@@ -200,8 +200,9 @@ static cns_flow_spec spec_for(const cns_problem *p, const cns_flow_spec *like, l
     return spec;
 }
 
+/* part[i]: what part i of the time takes; the sum is returned. */
 static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long digits, bool growth,
-                          const cns_tally *tally, double rows, double *steps, double *memory)
+                          const cns_tally *tally, double rows, double *part, double *steps, double *memory)
 {
     const int parts = run->schedule->n;
     const long last = digits_in(run, parts - 1, digits);
@@ -228,7 +229,8 @@ static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long d
         cns_flow_spec spec = spec_for(p, run, here);
         double step, row;
         cost_at(l, levels, (double)here, &step, &row);
-        seconds += steps_in(tally, i, &spec, here) * step + rows / parts * row;
+        part[i] = steps_in(tally, i, &spec, here) * step + rows / parts * row;
+        seconds += part[i];
     }
     return seconds;
 }
@@ -237,9 +239,15 @@ void cns_cost_predict(const cns_problem *p, const cns_flow_spec *fine, const cns
                       const cns_tally *tally, cns_run_info *plan)
 {
     const double rows = cns_number_get_d(p->end) / cns_number_get_d(p->every);
-    double ignored, memory = PROGRAM_BYTES;
-    double printed = run_seconds(p, fine, plan->digits, false, tally, rows, &plan->steps, &memory);
-    double proof = run_seconds(p, coarse, plan->proof_digits, true, tally, rows, &ignored, &memory);
+    double in_printed[CNS_PLAN_PARTS] = {0}, in_proof[CNS_PLAN_PARTS] = {0};
+    double ignored, memory = PROGRAM_BYTES, sum = 0;
+    double printed =
+        run_seconds(p, fine, plan->digits, false, tally, rows, in_printed, &plan->steps, &memory);
+    double proof = run_seconds(p, coarse, plan->proof_digits, true, tally, rows, in_proof, &ignored, &memory);
     plan->seconds = p->threads > 1 ? fmax(printed, proof) : printed + proof;
+    for (int i = 0; i < CNS_PLAN_PARTS; i++) {
+        sum += in_printed[i] + in_proof[i];
+        plan->done[i] = printed + proof > 0 ? fmin(1, sum / (printed + proof)) : (i + 1.0) / CNS_PLAN_PARTS;
+    }
     plan->memory = memory;
 }

@@ -247,6 +247,17 @@ static cns_code emit(walk *w, unsigned long row, cns_places places, long count, 
     return sink->row ? sink->row(sink->context, &out, err) : CNS_OK;
 }
 
+/* Precision that falls with time makes the first rows the dearest. */
+static double work_done(const cns_run_info *run, double time)
+{
+    const double parts = time * CNS_PLAN_PARTS; /* time: a fraction of the whole */
+    const int i = parts < CNS_PLAN_PARTS ? (int)parts : CNS_PLAN_PARTS - 1;
+    if (!run->planned)
+        return time;
+    const double before = i > 0 ? run->done[i - 1] : 0;
+    return before + (run->done[i] - before) * (parts - i);
+}
+
 static void progress(const walk *w, const cns_result *result, double since)
 {
     const cns_sink *sink = w->p->sink;
@@ -254,6 +265,7 @@ static void progress(const walk *w, const cns_result *result, double since)
                         .t = mpq_get_d(w->time),
                         .end = cns_number_get_d(w->p->end),
                         .seconds = cns_seconds() - since};
+    out.fraction = work_done(&result->run, out.t / out.end);
     if (sink->progress)
         sink->progress(sink->context, &out);
 }
