@@ -166,6 +166,7 @@ fx *fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel
     F->reciprocal = cells(n, sizeof(fx_const), &ok);
     F->kept = cells(n, sizeof(mpfr_t), &ok);
     F->has_kept = cells(n, sizeof(bool), &ok);
+    F->will_store = cells(n, sizeof(int), &ok);
     if (!ok) {
         fx_destroy(F);
         return NULL;
@@ -242,6 +243,8 @@ void fx_destroy(fx *F)
     free(F->reciprocal);
     free(F->kept);
     free(F->has_kept);
+    free(F->will_store);
+    free(F->recipe.step);
     mpz_clears(F->z, F->z2, (mpz_ptr)NULL);
     mpfr_clears(F->f, F->f2, F->f3, F->g, F->g2, (mpfr_ptr)NULL);
     free(F);
@@ -482,6 +485,26 @@ void fx_want(fx *F, int a, int parts)
     for (int k = 0; k < s->stored; k++)
         write_limbs(F, s, k);
     fx_sums(F, a, 0);
+}
+
+static bool has(const fx_series *s, int parts)
+{
+    return (s->parts & parts) == parts;
+}
+
+/* Which operand is read forwards does not matter; the fewer copies of series, the better. */
+bool fx_orient(fx *F, int a, int b)
+{
+    const fx_series *s = &F->series[a], *t = &F->series[b];
+    const int missing = !(s->parts & FX_FWD) + !(t->parts & FX_REV),
+              missing_swapped = !(t->parts & FX_FWD) + !(s->parts & FX_REV);
+    const bool swap = missing_swapped < missing;
+    const int forwards = swap ? b : a, backwards = swap ? a : b;
+    if (!has(&F->series[forwards], FX_FWD | FX_SUMS))
+        fx_want(F, forwards, FX_FWD | FX_SUMS);
+    if (!has(&F->series[backwards], FX_REV | FX_SUMS))
+        fx_want(F, backwards, FX_REV | FX_SUMS);
+    return swap;
 }
 
 void fx_fill(fx *F, int a, int k)

@@ -27,6 +27,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "cns/arith.h"
+
 #define FX_BITS      52
 #define FX_REACH     2 /* sums serve tau up to 2^(FX_REACH/8) */
 #define FX_MASK      ((INT64_C(1) << FX_BITS) - 1)
@@ -72,6 +74,49 @@ typedef struct fx_number {
 
 typedef struct fx fx;
 
+/* What one order of an expansion does, worked out for the block exponents as they are: sums of few limbs in
+ * a register, no exponents to compare, no state to keep (fixed_recipe.c makes it, fixed_core.h runs it). Each
+ * step is followed by what it adds to the accumulator, or is a store. */
+enum { FX_ONE_ROWS = 6 }; /* orders of at most so many rows: with what products add, eight words */
+
+typedef struct fx_step {
+    enum {
+        FX_DO_COEF,
+        FX_DO_SCALED,
+        FX_DO_CONV, /* into the lanes */
+        FX_DO_SQUARE,
+        FX_DO_FLUSH, /* the lanes */
+        FX_DO_STORE
+    } kind;
+    int group; /* the call that began this sum */
+
+    /* the sum: x is carried if `carry_x`, moved down by down_x bits, or up by up_x, and added to an
+     * accumulator that was carried and moved likewise; `fresh`: to nothing */
+    bool fresh, carry, carry_x;
+    int up, up_x;
+    long down, down_x;
+
+    int sign;
+    bool open; /* these are the first lanes */
+    const fx_series *a, *b;
+    int lo, above; /* the last term is k - above */
+    int weight, weight_grows;
+    int order; /* of the calls: weights are theirs */
+
+    fx_series *w;
+    int next; /* 1: stores order k + 1 */
+    enum { FX_TIMES_NOTHING, FX_TIMES_CONST, FX_TIMES_INVERSE, FX_TIMES_NEXT } times;
+    bool empty; /* an empty sum */
+    const fx_const *c;
+    fx_const *made; /* FX_TIMES_NEXT: c / (k + 1) */
+    long exp;       /* of the sum, and of c if it stays, less that of the coefficient */
+} fx_step;
+
+typedef struct fx_recipe {
+    int n, capacity;
+    fx_step *step;
+} fx_recipe;
+
 typedef struct fx_kernel {
     const char *name;
     void (*zero)(fx *F);
@@ -86,6 +131,9 @@ typedef struct fx_kernel {
     void (*store_next)(fx *F, int w, int k, int c);
     /* The accumulator is sum_{k <= n} A_k c^k, c a fraction in [0, 1) without an exponent. */
     void (*sum)(fx *F, int a, int n, const fx_const *c);
+    /* Orders *k..to-1 by the recipe; rows[*k] <= FX_ONE_ROWS. Returns NULL, or the step at which order *k met
+     * a coefficient that wants another block exponent: the sum it belongs to is not stored. */
+    const fx_step *(*run)(fx *F, const fx_recipe *R, int *k, int to);
 } fx_kernel;
 
 struct fx {
@@ -117,6 +165,9 @@ struct fx {
     fx_const *next_const;    /* the same times 1/(k+1), the last k used */
     fx_const *reciprocal;    /* per series d: 1/d_v, the last v used */
     fx_const tau;            /* of a sum, times 2^-d */
+
+    fx_recipe recipe;
+    int *will_store; /* per series: orders stored at the place of a recipe that is worked out */
 
     size_t bytes; /* allocated */
 
@@ -152,6 +203,9 @@ void fx_want(fx *F, int a, int parts);  /* more parts */
 void fx_prepare_constant(fx *F, int c); /* constant[c] */
 void fx_prepare_step(fx *F, int c);     /* step_const[c] */
 const fx_const *fx_reciprocal(fx *F, int d, int v);
+bool fx_orient(fx *F, int a, int b); /* parts for a product a b; true: b is read forwards */
+/* The recipe of order k and those after it. False: these calls, or the series as they are, have none. */
+bool fx_work_out(fx *F, const cns_calls *calls, int k);
 void fx_ratio(fx *F, long p, long q);                                            /* acc *= p / q, slowly */
 void fx_shift(int64_t *out, const int64_t *t, int rows, int t_rows, long shift); /* t 2^shift, floor */
 

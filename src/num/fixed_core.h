@@ -259,27 +259,12 @@ static inline bool has(const fx_series *s, int parts)
     return (s->parts & parts) == parts;
 }
 
-/* Which operand is read forwards does not matter; the fewer copies of series, the better. True: swap them. */
-static bool orient(fx *F, int a, int b)
-{
-    const fx_series *s = &F->series[a], *t = &F->series[b];
-    const int missing = !(s->parts & FX_FWD) + !(t->parts & FX_REV),
-              missing_swapped = !(t->parts & FX_FWD) + !(s->parts & FX_REV);
-    const bool swap = missing_swapped < missing;
-    const int forwards = swap ? b : a, backwards = swap ? a : b;
-    if (!has(&F->series[forwards], FX_FWD | FX_SUMS))
-        fx_want(F, forwards, FX_FWD | FX_SUMS);
-    if (!has(&F->series[backwards], FX_REV | FX_SUMS))
-        fx_want(F, backwards, FX_REV | FX_SUMS);
-    return swap;
-}
-
 static void f_conv(fx *F, int sign, int a, int b, int n, int lo, int hi)
 {
     fx_series *s = &F->series[a], *t = &F->series[b];
     if (lo > hi || !s->live || !t->live)
         return;
-    if ((!has(s, FX_FWD | FX_SUMS) || !has(t, FX_REV | FX_SUMS)) && orient(F, a, b)) {
+    if ((!has(s, FX_FWD | FX_SUMS) || !has(t, FX_REV | FX_SUMS)) && fx_orient(F, a, b)) {
         const int swap = a, swap_lo = lo;
         fx_series *const swap_series = s;
         a = b;
@@ -520,6 +505,232 @@ static void f_sum(fx *F, int a, int n, const fx_const *c)
     F->acc.exp = s->exp + 1;
 }
 
-const fx_kernel FX_KERNEL = {FX_KERNEL_NAME, f_zero,       f_coef,       f_scaled,
-                             f_conv,         f_square,     f_store,      f_store_scaled,
-                             f_store_ratio,  f_store_over, f_store_next, f_sum};
+/* Recipes: the same sums, with at most FX_ONE_ROWS rows, each in one vector. */
+
+/* x 2^(-shift), as shift_down. */
+static inline void down_one(fx_u *x, int rows, long shift)
+{
+    if (shift > (long)FX_BITS * rows) {
+        const long left = shift - (long)FX_BITS * rows;
+        const int64_t whole = (int64_t)(*x)[0];
+        *x = (fx_u){0};
+        (*x)[rows] = (uint64_t)(whole >> (left > 63 ? 63 : left));
+        return;
+    }
+    k_down_one(x, (int)(shift / FX_BITS), (int)(shift % FX_BITS));
+}
+
+static inline void add_one(fx_u *acc, fx_u *term, const fx_step *s, int rows)
+{
+    if (s->down_x != 0)
+        down_one(term, rows, s->down_x);
+    fx_u x = *term;
+    const uint64_t flip = s->sign < 0 ? ~UINT64_C(0) : 0;
+    x = ((x << (uint64_t)s->up_x) ^ flip) - flip;
+    if (s->fresh) {
+        *acc = x;
+        return;
+    }
+    if (s->carry)
+        k_carry_one(acc, rows);
+    if (s->down != 0)
+        down_one(acc, rows, s->down);
+    *acc = (*acc << (uint64_t)s->up) + x;
+}
+
+/* d += D_hi - D_(lo - 1) */
+static inline void sums_one(fx_u *d, const fx *F, const fx_series *s, int lo, int hi)
+{
+    *d += CV(record_at(F, s, hi));
+    if (lo > 0)
+        *d -= CV(record_at(F, s, lo - 1));
+}
+
+/* The terms of a product begin lanes, or join them. */
+static inline void correct_one(fx_u *corr, long *terms, int *load, fx_u *d, const fx_step *s, int count)
+{
+    const uint64_t flip = s->sign < 0 ? ~UINT64_C(0) : 0;
+    *d = (*d ^ flip) - flip;
+    if (s->open) {
+        *corr = *d;
+        *terms = 0;
+        *load = 0;
+    } else {
+        *corr += *d;
+    }
+    *terms += s->sign * count;
+}
+
+/* 1/(k + 1) of a factor's step. */
+static inline const fx_const *next_factor(fx *F, const fx_step *s, int k, int rows)
+{
+    fx_const *next = s->made;
+    const fx_const *inverse = &F->inverse_order[k];
+    if (next->index == k && next->series == rows)
+        return next;
+    if (s->c->used <= 1 && rows <= FX_ONE_ROWS) { /* the same pairs, the other way about */
+        fx_u x;
+        k_mul_short_one(&x, (const fx_u *)inverse->limb, rows, s->c);
+        k_carry_one(&x, rows + 1);
+        V(next->limb) = x;
+    } else {
+        k_mul(next->limb, s->c->limb, rows, inverse);
+    }
+    next->sign = s->c->sign;
+    next->exp = s->c->exp + inverse->exp;
+    next->index = k;
+    next->used = rows + 1;
+    next->series = rows;
+    return next;
+}
+
+/* The accumulator, normalised, times what the store says, becomes a coefficient. False: it wants another
+ * block exponent. */
+static inline bool store_one(fx *F, const fx_u *acc, const fx_step *step, int k)
+{
+    fx_u t = *acc;
+    fx_series *const s = step->w;
+    int t_rows = F->rows[k];
+    k += step->next;
+    const int rows = F->rows[k];
+    int64_t *const record = record_at(F, s, k), *const value = record + F->value;
+    long shift = step->exp;
+    fx_u x = {0};
+    if (!step->empty) {
+        if (step->carry)
+            k_carry_one(&t, t_rows);
+        if (step->times != FX_TIMES_NOTHING) {
+            const fx_const *c = step->times == FX_TIMES_CONST     ? step->c
+                                : step->times == FX_TIMES_INVERSE ? &F->inverse_order[k - 1]
+                                                                  : next_factor(F, step, k - 1, t_rows + 1);
+            if (step->times != FX_TIMES_CONST)
+                shift += c->exp;
+            k_mul_one(&t, t_rows, c);
+            t_rows++;
+        } else {
+            t &= CV(below_row(t_rows, 0));
+        }
+        const fx_u whole_first = ALL_LIMBS(~UINT64_C(0));
+        if (shift <= 0 && shift > -FX_BITS) {
+            fx_u before;
+            k_before_one(&before, &t);
+            x = (fx_u)((fx_v)t >> -shift) + ((before << (uint64_t)(FX_BITS + shift)) & (uint64_t)FX_MASK);
+        } else if (shift > 0) {
+            if (shift >= FX_BITS || (int64_t)t[0] < -1024 || (int64_t)t[0] >= 1024)
+                return false;
+            fx_u after;
+            k_after_one(&after, &t);
+            x = ((t << (uint64_t)shift) & whole_first) + (after >> (uint64_t)(FX_BITS - shift));
+        } else {
+            k_floor_one(&t, -shift);
+            x = t;
+        }
+        V(value) = x;
+        const int64_t first = value[1] + FX_HALF;
+        if (value[0] + (first >> FX_BITS) != 0)
+            return false;
+    } else {
+        V(value) = x;
+    }
+    const int64_t top = value[0] < 0 ? FX_MASK - value[1] : value[1];
+    s->peak = top > s->peak ? top : s->peak;
+
+    const fx_u half = {0, (uint64_t)FX_HALF};
+    const fx_u no_whole = ALL_LIMBS(0);
+    const fx_u u0 = (x + half) & no_whole;
+    const uint64_t first_limb = (uint64_t)((value[1] + FX_HALF) & FX_MASK);
+    const size_t stride = F->stride;
+    if (s->parts & FX_FWD) {
+        uint64_t *fwd = s->fwd + k;
+        *fwd = first_limb;
+        for (int i = 2; i <= rows; i++)
+            *(fwd += stride) = (uint64_t)value[i];
+    }
+    if (s->parts & FX_REV) {
+        uint64_t *rev = s->rev + (F->order - k);
+        *rev = first_limb;
+        for (int i = 2; i <= rows; i++)
+            *(rev += stride) = (uint64_t)value[i];
+    }
+    s->stored = k + 1;
+    if (s->parts & FX_SUMS) {
+        fx_u d = CV(record - F->record) + u0;
+        if (k % 16 == 0 || rows != F->rows[k + 1])
+            k_carry_one(&d, rows);
+        V(record) = d;
+    }
+    return true;
+}
+
+static const fx_step *f_run(fx *F, const fx_recipe *R, int *from, int to)
+{
+    const fx_step *const end = R->step + R->n;
+    int64_t *const lanes = F->lanes;
+    for (int k = *from; k < to; k++) {
+        const int rows = F->rows[k];
+        fx_u acc = {0}, corr = {0};
+        long terms = 0;
+        int load = 0;
+        for (const fx_step *s = R->step; s < end; s++) {
+            switch (s->kind) {
+            case FX_DO_COEF: {
+                fx_u x = CV(record_at(F, s->a, k) + F->value);
+                if (s->carry_x) {
+                    x *= (uint64_t)(s->weight + (s->weight_grows ? k - s->order : 0));
+                    k_carry_one(&x, rows);
+                }
+                add_one(&acc, &x, s, rows);
+                break;
+            }
+            case FX_DO_SCALED: {
+                fx_u x = CV(record_at(F, s->a, k) + F->value);
+                k_mul_one(&x, rows, s->c);
+                add_one(&acc, &x, s, rows);
+                break;
+            }
+            case FX_DO_CONV: {
+                const int lo = s->lo, hi = k - s->above;
+                fx_u d = {0};
+                sums_one(&d, F, s->a, lo, hi);
+                sums_one(&d, F, s->b, s->above, k - lo);
+                correct_one(&corr, &terms, &load, &d, s, hi - lo + 1);
+                k_conv(lanes, &load, rows, s->a->fwd, s->b->rev + (F->order - k), F->stride, lo, hi, s->sign);
+                break;
+            }
+            case FX_DO_SQUARE: {
+                const int lo = s->lo;
+                fx_u d = {0};
+                sums_one(&d, F, s->a, lo, k - lo);
+                d += d;
+                correct_one(&corr, &terms, &load, &d, s, k - 2 * lo + 1);
+                k_square(lanes, &load, rows, s->a->fwd, s->a->rev + (F->order - k), F->stride, lo,
+                         (k - 1) >> 1, k % 2 == 0 ? k / 2 : -1, s->sign);
+                break;
+            }
+            case FX_DO_FLUSH: {
+                fx_u x;
+                if (8 * load > FX_SUM_LOAD)
+                    k_carry_lanes(lanes, &load, rows);
+                const fx_u count = {(uint64_t)(terms >> 1), ((uint64_t)terms & 1) * (uint64_t)FX_HALF};
+                k_reduce_one(&x, lanes, rows + 2);
+                x = x * 2 - (corr & CV(below_row(rows, 0))) + count;
+                k_carry_one(&x, rows + 1);
+                add_one(&acc, &x, s, rows);
+                break;
+            }
+            case FX_DO_STORE:
+                if (!store_one(F, &acc, s, k)) {
+                    *from = k;
+                    return s;
+                }
+                break;
+            }
+        }
+    }
+    *from = to;
+    return NULL;
+}
+
+const fx_kernel FX_KERNEL = {FX_KERNEL_NAME, f_zero,  f_coef,         f_scaled,      f_conv,
+                             f_square,       f_store, f_store_scaled, f_store_ratio, f_store_over,
+                             f_store_next,   f_sum,   f_run};

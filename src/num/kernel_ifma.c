@@ -456,6 +456,92 @@ static inline void k_mul_short(int64_t *out, const int64_t *x, int rows, const f
     out[1] += whole;
 }
 
+INLINE void k_mul_short_one(vector *out, const vector *x, int rows, const fx_const *c)
+{
+    const __m512i f = _mm512_set1_epi64(c->limb[1]);
+    const __m512i all = (__m512i)*x;
+    const __m512i now = _mm512_maskz_mov_epi64((__mmask8)((1 << (rows + 1)) - 2), all);
+    const __m512i shifted = _mm512_alignr_epi64(now, _mm512_setzero_si512(), 7);
+    const __m512i high = _mm512_madd52hi_epu64(_mm512_setzero_si512(), now, f);
+    const __m512i whole = _mm512_maskz_set1_epi64(2, (int64_t)(*x)[0] * c->limb[1]);
+    *out = (vector)_mm512_add_epi64(_mm512_madd52lo_epu64(high, shifted, f), whole);
+}
+
+/* x = floor(x c), as k_mul. */
+INLINE void k_mul_one(vector *x, int rows, const fx_const *c)
+{
+    int64_t t[8] __attribute__((aligned(64)));
+    _mm512_store_si512(t, (__m512i)*x);
+    if (__builtin_expect(t[0] < -400 || t[0] > 400, 0)) {
+        vector wide = {0};
+        mul_wide((int64_t *)&wide, t, rows, c);
+        *x = wide;
+        return;
+    }
+    const __m512i flip = _mm512_set1_epi64(c->sign < 0 ? -1 : 0);
+    __m512i sum;
+    if (c->used <= 1) {
+        vector y;
+        k_mul_short_one(&y, x, rows, c);
+        sum = (__m512i)y;
+    } else {
+        const int64_t *limb = c->limb;
+        __m512i before = _mm512_loadu_si512(limb), low = _mm512_setzero_si512(), high = low;
+        const __m512i whole = _mm512_mullo_epi64(_mm512_set1_epi64(t[0]), before);
+        for (int i = 1; i <= rows; i++) {
+            const __m512i xi = _mm512_set1_epi64(t[i]);
+            high = _mm512_madd52hi_epu64(high, xi, before);
+            before = _mm512_loadu_si512(--limb);
+            low = _mm512_madd52lo_epu64(low, xi, before);
+        }
+        low = _mm512_add_epi64(low, whole);
+        sum = _mm512_mask_add_epi64(low, (__mmask8)((1 << (rows + 1)) - 1), low, high);
+    }
+    *x = (vector)_mm512_sub_epi64(_mm512_xor_si512(sum, flip), flip);
+    k_carry_one(x, rows + 1);
+}
+
+INLINE void k_before_one(vector *y, const vector *x)
+{
+    *y = (vector)_mm512_alignr_epi64((__m512i)*x, _mm512_setzero_si512(), 7);
+}
+
+INLINE void k_after_one(vector *y, const vector *x)
+{
+    *y = (vector)_mm512_alignr_epi64(_mm512_setzero_si512(), (__m512i)*x, 1);
+}
+
+/* Word i of the result is word i - q, or that of `fill` where there is none. */
+INLINE __m512i words_up(__m512i x, int q, __m512i fill)
+{
+    const __m512i from = _mm512_sub_epi64(_mm512_set_epi64(7, 6, 5, 4, 3, 2, 1, 0), _mm512_set1_epi64(q));
+    return _mm512_mask_permutexvar_epi64(fill, (__mmask8)(0xff << (q < 8 ? q : 8)), from, x);
+}
+
+/* x 2^(-52 q - r), what lies above its first limb being zero. */
+INLINE void k_down_one(vector *x, int q, int r)
+{
+    const __m512i zero = _mm512_setzero_si512(), limb = _mm512_set1_epi64(FX_MASK);
+    const __m512i t = words_up((__m512i)*x, q, zero), before = words_up((__m512i)*x, q + 1, zero);
+    *x = (vector)_mm512_add_epi64(
+        _mm512_sra_epi64(t, _mm_cvtsi32_si128(r)),
+        _mm512_and_si512(_mm512_sll_epi64(before, _mm_cvtsi32_si128(FX_BITS - r)), limb));
+}
+
+/* floor(x 2^-shift), x normalised, |x| < 2^52. */
+INLINE void k_floor_one(vector *x, long shift)
+{
+    const int64_t whole = (int64_t)(*x)[0];
+    const int q = shift < 8 * FX_BITS ? (int)(shift / FX_BITS) : 8, r = (int)(shift % FX_BITS);
+    const __m512i limb = _mm512_set1_epi64(FX_MASK), sign = _mm512_set1_epi64(whole < 0 ? FX_MASK : 0),
+                  all = _mm512_and_si512((__m512i)*x, limb);
+    const __m512i t = words_up(all, q, sign), before = words_up(all, q + 1, sign);
+    const __m512i y =
+        _mm512_or_si512(_mm512_srl_epi64(t, _mm_cvtsi32_si128(r)),
+                        _mm512_and_si512(_mm512_sll_epi64(before, _mm_cvtsi32_si128(FX_BITS - r)), limb));
+    *x = (vector)_mm512_mask_set1_epi64(y, 1, whole >> (shift > 63 ? 63 : shift));
+}
+
 #define FX_KERNEL_NAME "avx512ifma"
 #define FX_KERNEL      fx_kernel_avx512ifma
 #include "fixed_core.h"
