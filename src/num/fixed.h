@@ -75,39 +75,36 @@ typedef struct fx_number {
 typedef struct fx fx;
 
 /* What one order of an expansion does, worked out for the block exponents as they are: sums of few limbs in
- * a register, no exponents to compare, no state to keep (fixed_recipe.c makes it, fixed_core.h runs it). Each
- * step is followed by what it adds to the accumulator, or is a store. */
+ * a register, no exponents to compare, no state to keep (fixed_recipe.c makes it, fixed_core.h runs it). */
 enum { FX_ONE_ROWS = 6 }; /* orders of at most so many rows: with what products add, eight words */
 
 typedef struct fx_step {
     enum {
-        FX_DO_COEF,
-        FX_DO_SCALED,
-        FX_DO_CONV, /* into the lanes */
+        FX_DO_COEF,   /* a coefficient to the accumulator */
+        FX_DO_SCALED, /* the same times a constant */
+        FX_DO_CONV,   /* a product into the lanes, or the last one: with it their sum to the accumulator */
         FX_DO_SQUARE,
-        FX_DO_FLUSH, /* the lanes */
         FX_DO_STORE
     } kind;
     int group; /* the call that began this sum */
 
-    /* the sum: x is carried if `carry_x`, moved down by down_x bits, or up by up_x, and added to an
-     * accumulator that was carried and moved likewise; `fresh`: to nothing */
-    bool fresh, carry, carry_x;
+    /* The sum: what comes is moved down by down_x bits, or up by up_x, and added, or subtracted where flip is
+     * ~0, to an accumulator that was carried and moved likewise; where `fresh`, to nothing. */
+    bool fresh, carry;
     int up, up_x;
     long down, down_x;
+    uint64_t flip;
 
-    int sign;
-    bool open; /* these are the first lanes */
     const fx_series *a, *b;
-    int lo, above; /* the last term is k - above */
-    int weight, weight_grows;
-    int order; /* of the calls: weights are theirs */
+    const fx_const *c;
+    int weight, weight_grows, order; /* of a coefficient, 0: 1; and how it grows from that order on */
+    int sign, lo, above;             /* of a product: its last term is k - above */
+    bool open, close;                /* the first, the last one of its lanes */
 
     fx_series *w;
-    int next; /* 1: stores order k + 1 */
-    enum { FX_TIMES_NOTHING, FX_TIMES_CONST, FX_TIMES_INVERSE, FX_TIMES_NEXT } times;
+    int next;   /* 1: stores order k + 1 */
     bool empty; /* an empty sum */
-    const fx_const *c;
+    enum { FX_TIMES_NOTHING, FX_TIMES_CONST, FX_TIMES_INVERSE, FX_TIMES_NEXT } times;
     fx_const *made; /* FX_TIMES_NEXT: c / (k + 1) */
     long exp;       /* of the sum, and of c if it stays, less that of the coefficient */
 } fx_step;

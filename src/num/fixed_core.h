@@ -505,10 +505,12 @@ static void f_sum(fx *F, int a, int n, const fx_const *c)
     F->acc.exp = s->exp + 1;
 }
 
-/* Recipes: the same sums, with at most FX_ONE_ROWS rows, each in one vector. */
+/* Recipes: the same sums, each in one vector. Compiled once for every number of rows up to FX_ONE_ROWS. */
+
+#define FX_INLINE static inline __attribute__((always_inline))
 
 /* x 2^(-shift), as shift_down. */
-static inline void down_one(fx_u *x, int rows, long shift)
+FX_INLINE void down_one(fx_u *x, const int rows, long shift)
 {
     if (shift > (long)FX_BITS * rows) {
         const long left = shift - (long)FX_BITS * rows;
@@ -520,206 +522,202 @@ static inline void down_one(fx_u *x, int rows, long shift)
     k_down_one(x, (int)(shift / FX_BITS), (int)(shift % FX_BITS));
 }
 
-static inline void add_one(fx_u *acc, fx_u *term, const fx_step *s, int rows)
+FX_INLINE void add_one(fx_u *acc, fx_u *term, const fx_step *s, const int rows)
 {
-    if (s->down_x != 0)
+    if (__builtin_expect(s->down_x != 0, 0))
         down_one(term, rows, s->down_x);
-    fx_u x = *term;
-    const uint64_t flip = s->sign < 0 ? ~UINT64_C(0) : 0;
-    x = ((x << (uint64_t)s->up_x) ^ flip) - flip;
+    const fx_u x = ((*term << (uint64_t)s->up_x) ^ s->flip) - s->flip;
     if (s->fresh) {
         *acc = x;
         return;
     }
-    if (s->carry)
+    if (__builtin_expect(s->carry, 0))
         k_carry_one(acc, rows);
-    if (s->down != 0)
+    if (__builtin_expect(s->down != 0, 0))
         down_one(acc, rows, s->down);
     *acc = (*acc << (uint64_t)s->up) + x;
 }
 
-/* d += D_hi - D_(lo - 1) */
-static inline void sums_one(fx_u *d, const fx *F, const fx_series *s, int lo, int hi)
+/* The products of some lanes: corrections for the bias, terms, load. */
+typedef struct lanes_state {
+    fx_u corr;
+    long terms;
+    int load;
+} lanes_state;
+
+/* D_hi - D_(lo - 1), +-1 or +-2 times. */
+FX_INLINE void correct_one(const fx *F, lanes_state *l, const fx_series *s, int lo, int hi, int sign)
 {
-    *d += CV(record_at(F, s, hi));
+    fx_u d = CV(record_at(F, s, hi));
     if (lo > 0)
-        *d -= CV(record_at(F, s, lo - 1));
+        d -= CV(record_at(F, s, lo - 1));
+    if (sign < 0)
+        l->corr -= d;
+    else
+        l->corr += d;
 }
 
-/* The terms of a product begin lanes, or join them. */
-static inline void correct_one(fx_u *corr, long *terms, int *load, fx_u *d, const fx_step *s, int count)
+FX_INLINE void product_one(fx *F, fx_u *acc, lanes_state *l, const fx_step *s, int k, const int rows)
 {
-    const uint64_t flip = s->sign < 0 ? ~UINT64_C(0) : 0;
-    *d = (*d ^ flip) - flip;
-    if (s->open) {
-        *corr = *d;
-        *terms = 0;
-        *load = 0;
+    fx_u x;
+    const int lo = s->lo;
+    if (s->open)
+        *l = (lanes_state){.corr = {0}};
+    if (s->kind == FX_DO_CONV) {
+        const int hi = k - s->above;
+        correct_one(F, l, s->a, lo, hi, s->sign);
+        correct_one(F, l, s->b, s->above, k - lo, s->sign);
+        l->terms += s->sign * (hi - lo + 1);
+        k_conv_one(F->lanes, &l->load, rows, s->a->fwd, s->b->rev + (F->order - k), F->stride, lo, hi,
+                   s->sign, s->open, s->close, &x);
     } else {
-        *corr += *d;
+        correct_one(F, l, s->a, lo, k - lo, s->sign);
+        correct_one(F, l, s->a, lo, k - lo, s->sign);
+        l->terms += s->sign * (k - 2 * lo + 1);
+        k_square_one(F->lanes, &l->load, rows, s->a->fwd, s->a->rev + (F->order - k), F->stride, lo,
+                     (k - 1) >> 1, k % 2 == 0 ? k / 2 : -1, s->sign, s->open, s->close, &x);
     }
-    *terms += s->sign * count;
+    if (!s->close)
+        return;
+    const fx_u count = {(uint64_t)(l->terms >> 1), ((uint64_t)l->terms & 1) * (uint64_t)FX_HALF};
+    x = x * 2 - (l->corr & CV(below_row(rows, 0))) + count;
+    k_carry_one(&x, rows + 1);
+    add_one(acc, &x, s, rows);
 }
 
-/* 1/(k + 1) of a factor's step. */
-static inline const fx_const *next_factor(fx *F, const fx_step *s, int k, int rows)
+/* 1/(k + 1) of a factor's step, for an accumulator of so many rows. */
+FX_INLINE const fx_const *next_factor(fx *F, const fx_step *s, int k, const int rows)
 {
     fx_const *next = s->made;
     const fx_const *inverse = &F->inverse_order[k];
-    if (next->index == k && next->series == rows)
+    if (next->index == k && next->series == rows + 1)
         return next;
-    if (s->c->used <= 1 && rows <= FX_ONE_ROWS) { /* the same pairs, the other way about */
+    if (s->c->used <= 1 && rows < FX_ONE_ROWS) { /* the same pairs, the other way about */
         fx_u x;
-        k_mul_short_one(&x, (const fx_u *)inverse->limb, rows, s->c);
-        k_carry_one(&x, rows + 1);
+        k_mul_short_one(&x, inverse->limb, rows + 1, s->c);
+        k_carry_one(&x, rows + 2);
         V(next->limb) = x;
     } else {
-        k_mul(next->limb, s->c->limb, rows, inverse);
+        k_mul(next->limb, s->c->limb, rows + 1, inverse);
     }
     next->sign = s->c->sign;
     next->exp = s->c->exp + inverse->exp;
     next->index = k;
-    next->used = rows + 1;
-    next->series = rows;
+    next->used = rows + 2;
+    next->series = rows + 1;
     return next;
 }
 
-/* The accumulator, normalised, times what the store says, becomes a coefficient. False: it wants another
- * block exponent. */
-static inline bool store_one(fx *F, const fx_u *acc, const fx_step *step, int k)
+/* x = floor(t 2^shift). False where that is large. */
+FX_INLINE bool shift_one(fx_u *x, const fx_u *t, long shift)
 {
-    fx_u t = *acc;
-    fx_series *const s = step->w;
-    int t_rows = F->rows[k];
-    k += step->next;
-    const int rows = F->rows[k];
-    int64_t *const record = record_at(F, s, k), *const value = record + F->value;
-    long shift = step->exp;
-    fx_u x = {0};
-    if (!step->empty) {
-        if (step->carry)
-            k_carry_one(&t, t_rows);
-        if (step->times != FX_TIMES_NOTHING) {
-            const fx_const *c = step->times == FX_TIMES_CONST     ? step->c
-                                : step->times == FX_TIMES_INVERSE ? &F->inverse_order[k - 1]
-                                                                  : next_factor(F, step, k - 1, t_rows + 1);
-            if (step->times != FX_TIMES_CONST)
-                shift += c->exp;
-            k_mul_one(&t, t_rows, c);
-            t_rows++;
-        } else {
-            t &= CV(below_row(t_rows, 0));
-        }
-        const fx_u whole_first = ALL_LIMBS(~UINT64_C(0));
-        if (shift <= 0 && shift > -FX_BITS) {
-            fx_u before;
-            k_before_one(&before, &t);
-            x = (fx_u)((fx_v)t >> -shift) + ((before << (uint64_t)(FX_BITS + shift)) & (uint64_t)FX_MASK);
-        } else if (shift > 0) {
-            if (shift >= FX_BITS || (int64_t)t[0] < -1024 || (int64_t)t[0] >= 1024)
-                return false;
-            fx_u after;
-            k_after_one(&after, &t);
-            x = ((t << (uint64_t)shift) & whole_first) + (after >> (uint64_t)(FX_BITS - shift));
-        } else {
-            k_floor_one(&t, -shift);
-            x = t;
-        }
-        V(value) = x;
-        const int64_t first = value[1] + FX_HALF;
-        if (value[0] + (first >> FX_BITS) != 0)
+    const fx_u whole_first = ALL_LIMBS(~UINT64_C(0));
+    if (shift <= 0 && shift > -FX_BITS) {
+        k_before_one(x, t);
+        *x = (fx_u)((fx_v)*t >> -shift) + ((*x << (uint64_t)(FX_BITS + shift)) & (uint64_t)FX_MASK);
+    } else if (shift > 0) {
+        if (shift >= FX_BITS || (int64_t)(*t)[0] < -1024 || (int64_t)(*t)[0] >= 1024)
             return false;
+        k_after_one(x, t);
+        *x = ((*t << (uint64_t)shift) & whole_first) + (*x >> (uint64_t)(FX_BITS - shift));
     } else {
-        V(value) = x;
+        *x = *t;
+        k_floor_one(x, -shift);
     }
-    const int64_t top = value[0] < 0 ? FX_MASK - value[1] : value[1];
+    return true;
+}
+
+/* The accumulator times what the store says becomes a coefficient. False: it wants another block exponent. */
+FX_INLINE bool store_one(fx *F, const fx_u *acc, const fx_step *step, int k, const int rows)
+{
+    fx_series *const s = step->w;
+    fx_u t = *acc, x = {0};
+    int64_t words[8] __attribute__((aligned(64)));
+    k += step->next;
+    int64_t *const record = record_at(F, s, k), *const value = record + F->value;
+    if (!step->empty) {
+        long shift = step->exp;
+        if (step->carry)
+            k_carry_one(&t, rows);
+        if (step->times == FX_TIMES_NOTHING) {
+            t &= CV(below_row(rows, 0));
+        } else {
+            const fx_const *c = step->c;
+            if (step->times != FX_TIMES_CONST) {
+                c = step->times == FX_TIMES_INVERSE ? &F->inverse_order[k - 1]
+                                                    : next_factor(F, step, k - 1, rows);
+                shift += c->exp;
+            }
+            V(words) = t;
+            k_mul_one(&t, words, rows, c);
+        }
+        if (!shift_one(&x, &t, shift))
+            return false;
+    }
+    V(value) = x;
+    V(words) = x;
+    const int64_t whole = words[0], first = words[1] + FX_HALF;
+    if (whole + (first >> FX_BITS) != 0)
+        return false;
+    const int64_t top = whole < 0 ? FX_MASK - words[1] : words[1];
     s->peak = top > s->peak ? top : s->peak;
 
-    const fx_u half = {0, (uint64_t)FX_HALF};
-    const fx_u no_whole = ALL_LIMBS(0);
-    const fx_u u0 = (x + half) & no_whole;
-    const uint64_t first_limb = (uint64_t)((value[1] + FX_HALF) & FX_MASK);
+    /* u = x + 1/2. A limb beyond the last that counts does no harm. */
+    const uint64_t first_limb = (uint64_t)(first & FX_MASK);
     const size_t stride = F->stride;
     if (s->parts & FX_FWD) {
         uint64_t *fwd = s->fwd + k;
         *fwd = first_limb;
+#pragma GCC unroll 8
         for (int i = 2; i <= rows; i++)
-            *(fwd += stride) = (uint64_t)value[i];
+            *(fwd += stride) = (uint64_t)words[i];
     }
     if (s->parts & FX_REV) {
         uint64_t *rev = s->rev + (F->order - k);
         *rev = first_limb;
+#pragma GCC unroll 8
         for (int i = 2; i <= rows; i++)
-            *(rev += stride) = (uint64_t)value[i];
+            *(rev += stride) = (uint64_t)words[i];
     }
     s->stored = k + 1;
     if (s->parts & FX_SUMS) {
-        fx_u d = CV(record - F->record) + u0;
-        if (k % 16 == 0 || rows != F->rows[k + 1])
-            k_carry_one(&d, rows);
+        const fx_u half = {0, (uint64_t)FX_HALF}, no_whole = ALL_LIMBS(0);
+        fx_u d = CV(record - F->record) + ((x + half) & no_whole);
+        if (k % 16 == 0 || F->rows[k] != F->rows[k + 1])
+            k_carry_one(&d, F->rows[k]);
         V(record) = d;
     }
     return true;
 }
 
-static const fx_step *f_run(fx *F, const fx_recipe *R, int *from, int to)
+/* Orders *from.. below `to` for as long as they have so many rows. */
+FX_INLINE const fx_step *run_rows(fx *F, const fx_recipe *R, int *from, int to, const int rows)
 {
     const fx_step *const end = R->step + R->n;
-    int64_t *const lanes = F->lanes;
-    for (int k = *from; k < to; k++) {
-        const int rows = F->rows[k];
-        fx_u acc = {0}, corr = {0};
-        long terms = 0;
-        int load = 0;
+    int k = *from;
+    for (; k < to && F->rows[k] == rows; k++) {
+        fx_u acc = {0}, x;
+        lanes_state lanes = {.corr = {0}};
         for (const fx_step *s = R->step; s < end; s++) {
             switch (s->kind) {
-            case FX_DO_COEF: {
-                fx_u x = CV(record_at(F, s->a, k) + F->value);
-                if (s->carry_x) {
+            case FX_DO_COEF:
+                x = CV(record_at(F, s->a, k) + F->value);
+                if (s->weight != 0) {
                     x *= (uint64_t)(s->weight + (s->weight_grows ? k - s->order : 0));
                     k_carry_one(&x, rows);
                 }
                 add_one(&acc, &x, s, rows);
                 break;
-            }
-            case FX_DO_SCALED: {
-                fx_u x = CV(record_at(F, s->a, k) + F->value);
-                k_mul_one(&x, rows, s->c);
+            case FX_DO_SCALED:
+                k_mul_one(&x, record_at(F, s->a, k) + F->value, rows, s->c);
                 add_one(&acc, &x, s, rows);
                 break;
-            }
-            case FX_DO_CONV: {
-                const int lo = s->lo, hi = k - s->above;
-                fx_u d = {0};
-                sums_one(&d, F, s->a, lo, hi);
-                sums_one(&d, F, s->b, s->above, k - lo);
-                correct_one(&corr, &terms, &load, &d, s, hi - lo + 1);
-                k_conv(lanes, &load, rows, s->a->fwd, s->b->rev + (F->order - k), F->stride, lo, hi, s->sign);
+            case FX_DO_CONV:
+            case FX_DO_SQUARE:
+                product_one(F, &acc, &lanes, s, k, rows);
                 break;
-            }
-            case FX_DO_SQUARE: {
-                const int lo = s->lo;
-                fx_u d = {0};
-                sums_one(&d, F, s->a, lo, k - lo);
-                d += d;
-                correct_one(&corr, &terms, &load, &d, s, k - 2 * lo + 1);
-                k_square(lanes, &load, rows, s->a->fwd, s->a->rev + (F->order - k), F->stride, lo,
-                         (k - 1) >> 1, k % 2 == 0 ? k / 2 : -1, s->sign);
-                break;
-            }
-            case FX_DO_FLUSH: {
-                fx_u x;
-                if (8 * load > FX_SUM_LOAD)
-                    k_carry_lanes(lanes, &load, rows);
-                const fx_u count = {(uint64_t)(terms >> 1), ((uint64_t)terms & 1) * (uint64_t)FX_HALF};
-                k_reduce_one(&x, lanes, rows + 2);
-                x = x * 2 - (corr & CV(below_row(rows, 0))) + count;
-                k_carry_one(&x, rows + 1);
-                add_one(&acc, &x, s, rows);
-                break;
-            }
             case FX_DO_STORE:
-                if (!store_one(F, &acc, s, k)) {
+                if (!store_one(F, &acc, s, k, rows)) {
                     *from = k;
                     return s;
                 }
@@ -727,8 +725,30 @@ static const fx_step *f_run(fx *F, const fx_recipe *R, int *from, int to)
             }
         }
     }
-    *from = to;
+    *from = k;
     return NULL;
+}
+
+#define RUN(M)                                                                                               \
+    static const fx_step *run_##M(fx *F, const fx_recipe *R, int *from, int to)                              \
+    {                                                                                                        \
+        return run_rows(F, R, from, to, M);                                                                  \
+    }
+RUN(1)
+RUN(2)
+RUN(3)
+RUN(4)
+RUN(5)
+RUN(6)
+
+static const fx_step *f_run(fx *F, const fx_recipe *R, int *from, int to)
+{
+    static const fx_step *(*const run[FX_ONE_ROWS + 1])(fx *, const fx_recipe *, int *, int) = {
+        NULL, run_1, run_2, run_3, run_4, run_5, run_6};
+    const fx_step *stuck = NULL;
+    while (*from < to && stuck == NULL)
+        stuck = run[F->rows[*from]](F, R, from, to);
+    return stuck;
 }
 
 const fx_kernel FX_KERNEL = {FX_KERNEL_NAME, f_zero,  f_coef,         f_scaled,      f_conv,

@@ -5,7 +5,8 @@
 
 #include "fixed.h"
 
-enum { MOST_PARTS = 10 }; /* corrections of one set of lanes: their load stays below 800 (fixed_core.h) */
+/* Corrections of one set of lanes, two for each product: their load stays below 800 (fixed_core.h). */
+enum { MOST_PARTS = 10 };
 
 typedef struct state {
     fx *F;
@@ -13,24 +14,24 @@ typedef struct state {
     bool empty, normal; /* the accumulator; exponents leave out what all numbers of order k share */
     int load;
     long exp;
-    bool lanes;
-    int parts;
+    fx_step product[MOST_PARTS]; /* products that share their lanes: made when they are added */
+    int products, parts;
     long lanes_exp;
 } state;
 
-static fx_step *append(fx *F, fx_step step)
+static bool append(fx *F, const fx_step *step)
 {
     fx_recipe *R = &F->recipe;
     if (R->n == R->capacity) {
         const int capacity = 2 * R->capacity + 64;
         fx_step *grown = realloc(R->step, (size_t)capacity * sizeof *grown);
         if (grown == NULL)
-            return NULL;
+            return false;
         R->step = grown;
         R->capacity = capacity;
     }
-    R->step[R->n] = step;
-    return &R->step[R->n++];
+    R->step[R->n++] = *step;
+    return true;
 }
 
 /* Adds a number of 2^exp, as add() of fixed_core.h does. */
@@ -43,8 +44,8 @@ static bool add(state *s, fx_step step, long exp)
         s->empty = false;
         s->load = 1;
         s->exp = exp;
-        s->normal = step.sign == 1;
-        return append(s->F, step) != NULL;
+        s->normal = step.flip == 0;
+        return append(s->F, &step);
     }
     if (shift >= 0 && shift <= 7) {
         step.carry = s->load + (1 << shift) > FX_MAX_LOAD;
@@ -66,29 +67,34 @@ static bool add(state *s, fx_step step, long exp)
         s->exp = exp;
     }
     s->normal = false;
-    return append(s->F, step) != NULL;
+    return append(s->F, &step);
 }
 
 static bool flush(state *s)
 {
-    if (!s->lanes)
-        return true;
-    s->lanes = false;
-    return add(s, (fx_step){.kind = FX_DO_FLUSH, .sign = 1}, s->lanes_exp);
+    const int n = s->products;
+    s->products = s->parts = 0;
+    for (int i = 0; i < n; i++) {
+        fx_step *step = &s->product[i];
+        step->open = i == 0;
+        step->close = i == n - 1;
+        step->group = s->group;
+        if (step->close ? !add(s, *step, s->lanes_exp) : !append(s->F, step))
+            return false;
+    }
+    return true;
 }
 
 static bool into_lanes(state *s, fx_step step, long exp, int parts)
 {
-    if (s->lanes && s->lanes_exp != exp && !flush(s))
+    if (s->products > 0 && s->lanes_exp != exp && !flush(s))
         return false;
-    step.open = !s->lanes;
-    if (!s->lanes)
-        s->parts = 0;
-    s->lanes = true;
-    s->lanes_exp = exp;
     s->parts += parts;
-    step.group = s->group;
-    return s->parts <= MOST_PARTS && append(s->F, step) != NULL;
+    if (s->parts > MOST_PARTS)
+        return false;
+    s->product[s->products++] = step;
+    s->lanes_exp = exp;
+    return true;
 }
 
 /* Does argument j say k + 0, or is it the same at every order? */
@@ -102,6 +108,11 @@ static bool fixed(const cns_call *c, int j)
     return !c->grows[j];
 }
 
+static uint64_t flip(int sign)
+{
+    return sign < 0 ? ~UINT64_C(0) : 0;
+}
+
 static bool coef(state *s, const cns_calls *calls, const cns_call *c, int k)
 {
     const int a = c->arg[1];
@@ -110,14 +121,12 @@ static bool coef(state *s, const cns_calls *calls, const cns_call *c, int k)
     if (!is_k(calls, c, 2) || !x->live || s->F->will_store[a] <= k)
         return false;
     if (sign)
-        return add(s, (fx_step){.kind = FX_DO_COEF, .sign = c->arg[0], .a = x}, x->exp + 1);
+        return add(s, (fx_step){.kind = FX_DO_COEF, .flip = flip(c->arg[0]), .a = x}, x->exp + 1);
     /* other weights: positive ones that grow, as a derivative's, when they come first */
-    if (!s->empty || s->lanes || c->arg[0] < 1 || s->F->order + 1 + c->arg[0] > FX_LANE_LOAD)
+    if (!s->empty || s->products > 0 || c->arg[0] < 1 || s->F->order + 1 + c->arg[0] > FX_LANE_LOAD)
         return false;
     return add(s,
                (fx_step){.kind = FX_DO_COEF,
-                         .sign = 1,
-                         .carry_x = true,
                          .weight = c->arg[0],
                          .weight_grows = c->grows[0],
                          .order = calls->order,
@@ -135,7 +144,8 @@ static bool scaled(state *s, const cns_calls *calls, const cns_call *call, int k
     const fx_const *m = &F->constant[c];
     if (!is_k(calls, call, 3) || !x->live || F->will_store[a] <= k || m->sign == 0)
         return false;
-    return add(s, (fx_step){.kind = FX_DO_SCALED, .sign = call->arg[0], .a = x, .c = m}, x->exp + 1 + m->exp);
+    return add(s, (fx_step){.kind = FX_DO_SCALED, .flip = flip(call->arg[0]), .a = x, .c = m},
+               x->exp + 1 + m->exp);
 }
 
 static bool conv(state *s, const cns_calls *calls, const cns_call *c, int k)
@@ -225,12 +235,13 @@ static bool store(state *s, const cns_calls *calls, const cns_call *c, int k)
     step.exp = s->exp - (step.w->exp + 1) + step.next * F->decay;
     if (step.times == FX_TIMES_CONST)
         step.exp += step.c->exp;
-    return append(F, step) != NULL;
+    return append(F, &step);
 }
 
 bool fx_work_out(fx *F, const cns_calls *calls, int k)
 {
-    state s = {.F = F};
+    state s;
+    s.F = F;
     F->recipe.n = 0;
     for (int a = 0; a < F->n_series; a++)
         F->will_store[a] = F->series[a].stored;
@@ -239,7 +250,9 @@ bool fx_work_out(fx *F, const cns_calls *calls, int k)
         bool good = true;
         switch (c->kind) {
         case CNS_CALL_ZERO:
-            s = (state){.F = F, .group = i, .empty = true};
+            s.group = i;
+            s.empty = true;
+            s.products = s.parts = 0;
             break;
         case CNS_CALL_COEF:
             good = coef(&s, calls, c, k);

@@ -197,16 +197,33 @@ static inline void k_mul_short(int64_t *out, const int64_t *x, int rows, const f
     k_mul(out, x, rows, c);
 }
 
-static inline void k_mul_short_one(vector *out, const vector *x, int rows, const fx_const *c)
+static inline void k_mul_short_one(vector *out, const int64_t *x, int rows, const fx_const *c)
 {
-    k_mul((int64_t *)out, (const int64_t *)x, rows, c);
+    k_mul((int64_t *)out, x, rows, c);
 }
 
-static inline void k_mul_one(vector *x, int rows, const fx_const *c)
+static inline void k_mul_one(vector *out, const int64_t *x, int rows, const fx_const *c)
 {
-    vector y;
-    k_mul((int64_t *)&y, (const int64_t *)x, rows, c);
-    *x = y;
+    k_mul((int64_t *)out, x, rows, c);
+}
+
+static inline void k_conv_one(int64_t *lanes, int *load, int rows, const uint64_t *a, const uint64_t *b,
+                              size_t stride, int lo, int hi, int sign, bool open, bool close, vector *x)
+{
+    (void)open;
+    k_conv(lanes, load, rows, a, b, stride, lo, hi, sign);
+    if (close)
+        k_reduce_one(x, lanes, rows + 2);
+}
+
+static inline void k_square_one(int64_t *lanes, int *load, int rows, const uint64_t *a, const uint64_t *b,
+                                size_t stride, int lo, int hi, int mid, int sign, bool open, bool close,
+                                vector *x)
+{
+    (void)open;
+    k_square(lanes, load, rows, a, b, stride, lo, hi, mid, sign);
+    if (close)
+        k_reduce_one(x, lanes, rows + 2);
 }
 
 static inline void k_before_one(vector *y, const vector *x)
