@@ -77,6 +77,10 @@ typedef struct cns_arith_ops {
     /* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 2^reach_log2, cheapest where tau has some 32 bits only. NULL:
      * the caller sums coefficients itself. */
     void (*sum)(cns_arith *A, mpfr_t y, int a, int n, const mpfr_t tau);
+    /* y = sum_{k <= n} k a_k tau^(k-1), tau > 0, from the coefficients as they are, with an error below their
+     * own; *largest_log2: of its largest term times tau, to a bit, -HUGE_VAL if all vanish. False, or NULL:
+     * the caller sums coefficients itself. */
+    bool (*slope)(cns_arith *A, mpfr_t y, double *largest_log2, int a, int n, const mpfr_t tau);
 
     cns_arith *(*create)(const cns_arith_spec *spec, cns_error *err); /* NULL: out of memory or range */
     void (*destroy)(cns_arith *A);

@@ -696,24 +696,53 @@ void fx_ratio(fx *F, long p, long q)
     }
 }
 
-void fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau)
+static void sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau, bool slope)
 {
-    const fx_series *s = &F->series[a];
-    if (n >= s->stored)
-        n = s->stored - 1;
-    if (!s->live || n < 0) {
-        mpfr_set_zero(y, 1);
-        return;
-    }
     const_set_scaled(F, &F->tau, tau, F->decay);
-    F->kernel->sum(F, a, n, &F->tau);
+    F->kernel->sum(F, a, n, &F->tau, slope);
     const int rows = F->acc.rows;
     const int64_t *t = F->acc.t;
     mpz_import(F->z, (size_t)rows, 1, 8, 0, 64 - FX_BITS, t + 1);
     mpz_set_si(F->z2, (long)t[0]);
     mpz_mul_2exp(F->z2, F->z2, (mp_bitcnt_t)(FX_BITS * rows));
     mpz_add(F->z, F->z, F->z2);
-    mpfr_set_z_2exp(y, F->z, s->exp + 1 - (long)FX_BITS * rows, MPFR_RNDN);
+    mpfr_set_z_2exp(y, F->z, F->acc.exp - (long)FX_BITS * rows, MPFR_RNDN);
+}
+
+void fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau)
+{
+    const fx_series *s = &F->series[a];
+    if (n >= s->stored)
+        n = s->stored - 1;
+    if (!s->live || n < 0)
+        mpfr_set_zero(y, 1);
+    else
+        sum(F, y, a, n, tau, false);
+}
+
+void fx_slope(fx *F, mpfr_t y, double *largest, int a, int n, const mpfr_t tau)
+{
+    const fx_series *s = &F->series[a];
+    long e;
+    *largest = -HUGE_VAL;
+    if (n >= s->stored)
+        n = s->stored - 1;
+    if (!s->live || n < 1) {
+        mpfr_set_zero(y, 1);
+        return;
+    }
+    sum(F, y, a, n, tau, true);
+    const double m = mpfr_get_d_2exp(&e, tau, MPFR_RNDN), tau_log2 = log2(m) + (double)e;
+    for (int k = 1; k <= n; k++) { /* terms fall at least as k 2^(-3k/4): soon none can be larger */
+        const double bound = (double)s->exp + log2(k) + k * (tau_log2 - (double)F->decay);
+        if (k >= 2 && bound < *largest)
+            break;
+        const double x = fx_get_2exp(F, &e, a, k);
+        int more;
+        frexp(x * k, &more);
+        if (x != 0)
+            *largest = fmax(*largest, (double)(e + more) + k * tau_log2);
+    }
 }
 
 const fx_kernel *fx_kernel_choose(const char *name)

@@ -34,6 +34,7 @@
 #define FX_MASK      ((INT64_C(1) << FX_BITS) - 1)
 #define FX_HALF      (INT64_C(1) << (FX_BITS - 1)) /* 1/2 in t[1] */
 #define FX_MAX_LOAD  256                           /* of few-limb sums: |t[i]| < 2^60 */
+#define FX_MAX_SLOPE 640                           /* the integer part stays below 2^10: n/2 sum 2^(-3k/4) */
 #define FX_LANE_LOAD 1000                          /* of one lane of a column: |lane| < 2^62 */
 #define FX_SUM_LOAD  400                           /* of a column over its 8 lanes: twice it < 2^62 */
 
@@ -126,8 +127,9 @@ typedef struct fx_kernel {
     void (*store_ratio)(fx *F, int w, int k, long p, long q);
     void (*store_over)(fx *F, int w, int k, int d, int v, int twice);
     void (*store_next)(fx *F, int w, int k, int c);
-    /* The accumulator is sum_{k <= n} A_k c^k, c a fraction in [0, 1) without an exponent. */
-    void (*sum)(fx *F, int a, int n, const fx_const *c);
+    /* The accumulator is sum_{k <= n} A_k c^k, c a fraction in [0, 1) without an exponent; of a slope,
+     * sum_{k <= n} k A_k c^(k-1) 2^-d, n <= FX_MAX_SLOPE. */
+    void (*sum)(fx *F, int a, int n, const fx_const *c, bool slope);
     /* Orders *k..to-1 by the recipe; rows[*k] <= FX_ONE_ROWS. Returns NULL, or the step at which order *k met
      * a coefficient that wants another block exponent: the sum it belongs to is not stored. */
     const fx_step *(*run)(fx *F, const fx_recipe *R, int *k, int to);
@@ -189,6 +191,10 @@ double fx_get_2exp(const fx *F, long *e, int a, int k);
 /* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 2^(FX_REACH/8), with an error below 3 (n+1) 2^(e-W). Costs least
  * where tau has few bits. */
 void fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau);
+/* y = sum_{k <= n} k a_k tau^(k-1), n <= FX_MAX_SLOPE, made from the stored coefficients with an error below
+ * 3 (n+1) 2^(e-W) / tau, tau > 0; *largest: log2 of its largest term times tau, to a bit, -HUGE_VAL if all
+ * vanish. */
+void fx_slope(fx *F, mpfr_t y, double *largest, int a, int n, const mpfr_t tau);
 
 long fx_learnt(const fx *F, int a); /* the block exponent the next expansion will take */
 void fx_set_exponent(fx *F, int a, long e);

@@ -470,20 +470,43 @@ static void f_store_next(fx *F, int w, int k, int c)
     put(F, w, k + 1, nonzero);
 }
 
-/* Horner's rule, with one limb more than x_k: what a product drops is some units of that limb. */
-static void f_sum(fx *F, int a, int n, const fx_const *c)
+/* Horner's rule, with one limb more than x_k: what a product drops is some units of that limb. Of a slope,
+ * x_k counts k times. */
+static void f_sum(fx *F, int a, int n, const fx_const *c, bool slope)
 {
     const fx_series *s = &F->series[a];
+    const int least = slope ? 1 : 0;
     int64_t *t = F->tmp, *next = F->tmp2;
     int rows = 0; /* of t */
+    int k = n;
     f_zero(F);
-    for (int k = n; k >= 0; k--) {
+    if (c->used <= 1 && c->sign != 0 && F->rows[n] < FX_ONE_ROWS) { /* in one vector */
+        fx_u sum = {0}, product;
+        for (; k >= least && F->rows[k] < FX_ONE_ROWS; k--) {
+            const int now = F->rows[k];
+            fx_u x = CV(record_at(F, s, k) + F->value) & CV(below_row(now, 0));
+            if (slope)
+                x *= (uint64_t)k;
+            if (now + 1 > rows) {
+                sum &= CV(below_row(rows, 0));
+                rows = now + 1;
+            }
+            k_mul_short_one(&product, &sum, rows, c);
+            sum = product + x;
+            k_carry_one(&sum, rows + 1);
+        }
+        V(t) = sum;
+    }
+    for (; k >= least; k--) {
         const int64_t *x = record_at(F, s, k) + F->value;
         const int now = F->rows[k];
+        const uint64_t weight = slope ? (uint64_t)k : 1;
         if (k == n || c->sign == 0) {
-            EACH_VECTOR(now, V(t + 8 * v) = CV(x + 8 * v));
+            EACH_VECTOR(now, V(t + 8 * v) = CV(x + 8 * v) * weight);
             rows = now + 1;
             t[rows] = 0;
+            if (slope)
+                k_carry(t, rows);
             continue;
         }
         while (rows < now + 1)
@@ -492,7 +515,10 @@ static void f_sum(fx *F, int a, int n, const fx_const *c)
             k_mul_short(next, t, rows, c);
         else
             k_mul(next, t, rows, c);
-        EACH_VECTOR(now, V(next + 8 * v) += CV(x + 8 * v) & CV(below_row(now, v)));
+        if (slope)
+            EACH_VECTOR(now, V(next + 8 * v) += CV(x + 8 * v) * weight & CV(below_row(now, v)));
+        else
+            EACH_VECTOR(now, V(next + 8 * v) += CV(x + 8 * v) & CV(below_row(now, v)));
         k_carry(next, rows + 1);
         int64_t *swap = t;
         t = next;
@@ -502,7 +528,7 @@ static void f_sum(fx *F, int a, int n, const fx_const *c)
     F->acc.rows = rows;
     F->acc.load = 1;
     F->acc.normal = true;
-    F->acc.exp = s->exp + 1;
+    F->acc.exp = s->exp + 1 - (slope ? F->decay : 0);
 }
 
 /* Recipes: the same sums, each in one vector. Compiled once for every number of rows up to FX_ONE_ROWS. */
@@ -594,7 +620,7 @@ FX_INLINE const fx_const *next_factor(fx *F, const fx_step *s, int k, const int 
         return next;
     if (s->c->used <= 1 && rows < FX_ONE_ROWS) { /* the same pairs, the other way about */
         fx_u x;
-        k_mul_short_one(&x, inverse->limb, rows + 1, s->c);
+        k_mul_short_one(&x, (const fx_u *)inverse->limb, rows + 1, s->c);
         k_carry_one(&x, rows + 2);
         V(next->limb) = x;
     } else {

@@ -490,13 +490,13 @@ static inline void k_mul_short(int64_t *out, const int64_t *x, int rows, const f
     out[1] += whole;
 }
 
-INLINE void k_mul_short_one(vector *out, const int64_t *x, int rows, const fx_const *c)
+INLINE void k_mul_short_one(vector *out, const vector *x, int rows, const fx_const *c)
 {
     const __m512i f = _mm512_set1_epi64(c->limb[1]);
-    const __m512i now = _mm512_maskz_loadu_epi64((__mmask8)((2 << rows) - 2), x);
+    const __m512i now = _mm512_maskz_mov_epi64((__mmask8)((2 << rows) - 2), (__m512i)*x);
     const __m512i shifted = _mm512_alignr_epi64(now, _mm512_setzero_si512(), 7);
     const __m512i high = _mm512_madd52hi_epu64(_mm512_setzero_si512(), now, f);
-    const __m512i whole = _mm512_maskz_set1_epi64(2, x[0] * c->limb[1]);
+    const __m512i whole = _mm512_maskz_set1_epi64(2, (int64_t)(*x)[0] * c->limb[1]);
     *out = (vector)_mm512_add_epi64(_mm512_madd52lo_epu64(high, shifted, f), whole);
 }
 
@@ -511,7 +511,7 @@ INLINE void k_mul_one(vector *out, const int64_t *x, const int rows, const fx_co
     __m512i sum;
     if (c->used <= 1) {
         vector y;
-        k_mul_short_one(&y, x, rows, c);
+        k_mul_short_one(&y, (const vector *)x, rows, c);
         sum = (__m512i)y;
     } else {
         const int64_t *const limb = c->limb;

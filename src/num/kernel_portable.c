@@ -197,9 +197,9 @@ static inline void k_mul_short(int64_t *out, const int64_t *x, int rows, const f
     k_mul(out, x, rows, c);
 }
 
-static inline void k_mul_short_one(vector *out, const int64_t *x, int rows, const fx_const *c)
+static inline void k_mul_short_one(vector *out, const vector *x, int rows, const fx_const *c)
 {
-    k_mul((int64_t *)out, x, rows, c);
+    k_mul((int64_t *)out, (const int64_t *)x, rows, c);
 }
 
 static inline void k_mul_one(vector *out, const int64_t *x, int rows, const fx_const *c)

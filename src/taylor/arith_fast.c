@@ -123,6 +123,14 @@ void cns_fast_sum(cns_arith *A, mpfr_t y, int a, int n, const mpfr_t tau)
     fx_sum(A->F, y, a, n, tau);
 }
 
+static bool slope(cns_arith *A, mpfr_t y, double *largest_log2, int a, int n, const mpfr_t tau)
+{
+    if (n > FX_MAX_SLOPE)
+        return false;
+    fx_slope(A->F, y, largest_log2, a, n, tau);
+    return true;
+}
+
 /* Block exponents are learnt from the last expansion; one that failed, or with a rather different H, has
  * nothing to teach. */
 static void begin(cns_arith *A, double H)
@@ -397,6 +405,7 @@ const cns_arith_ops cns_arith_fast = {
     .set_precision = cns_fast_set_precision,
     .set_decay = cns_fast_set_decay,
     .sum = cns_fast_sum,
+    .slope = slope,
     .create = create,
     .destroy = destroy,
     .bytes = bytes,
