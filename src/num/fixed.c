@@ -351,6 +351,18 @@ void fx_get(const fx *F, mpfr_t y, int a, int k)
     mpfr_set_z_2exp(y, z, s->exp + 1 - (long)F->decay * k - (long)FX_BITS * rows, MPFR_RNDN);
 }
 
+/* Limb i of |x|, `last` being the last one that is not zero; 0 only for -1 itself, which is out of range. */
+static inline int64_t limb_of_size(const int64_t *x, int last, int i)
+{
+    if (i > last)
+        return 0;
+    if (x[0] >= 0)
+        return x[i];
+    if (i == 0)
+        return last == 0;
+    return FX_MASK - x[i] + (i == last);
+}
+
 double fx_get_2exp(const fx *F, long *e, int a, int k)
 {
     const fx_series *s = &F->series[a];
@@ -360,32 +372,24 @@ double fx_get_2exp(const fx *F, long *e, int a, int k)
     const int rows = F->rows[k];
     const int64_t *x = value_of(F, s, k);
     const bool negative = x[0] < 0;
-    int64_t *t = F->tmp3;
-    int64_t c = negative;
-    for (int i = rows; i >= 1; i--) {
-        const int64_t d = (negative ? FX_MASK - x[i] : x[i]) + c;
-        t[i] = d & FX_MASK;
-        c = d >> FX_BITS;
-    }
-    t[0] = c; /* 1 only for -1 itself, which is out of range */
-    int i = 0;
-    while (i <= rows && t[i] == 0)
-        i++;
-    if (i > rows)
+    int last = rows;
+    while (last >= 1 && x[last] == 0)
+        last--;
+    if (last == 0 && !negative)
         return 0;
+    int i = 0;
+    while (limb_of_size(x, last, i) == 0)
+        i++;
     /* the 55 bits or more that count, and a sticky bit, in 64 */
-    unsigned __int128 m = (unsigned __int128)t[i];
+    unsigned __int128 m = (unsigned __int128)limb_of_size(x, last, i);
     int used = i;
     while (used < i + 2 && m >> 60 == 0) {
         used++;
-        m = m << FX_BITS | (unsigned __int128)(used <= rows ? t[used] : 0);
+        m = m << FX_BITS | (unsigned __int128)limb_of_size(x, last, used);
     }
-    bool sticky = false;
-    for (int j = used + 1; j <= rows; j++)
-        sticky = sticky || t[j] != 0;
-    int shift = 0;
-    while ((m >> shift) >> 62 != 0)
-        shift++;
+    bool sticky = last > used;
+    const uint64_t above = (uint64_t)(m >> 62);
+    const int shift = above == 0 ? 0 : 64 - __builtin_clzl(above);
     if (shift > 0 && (m & (((unsigned __int128)1 << shift) - 1)) != 0)
         sticky = true;
     const uint64_t top = (uint64_t)(m >> shift) << 1 | sticky;

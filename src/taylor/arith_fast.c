@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "calls.h"
 #include "functions.h"
 #include "num/fixed.h"
 
@@ -251,48 +252,6 @@ static void store_next(cns_arith *A, int x, int k, int c)
     next_level(A, x, c);
 }
 
-/* Calls first..end-1 at order k. */
-static void call(cns_arith *A, const cns_calls *calls, int first, int end, int k)
-{
-    for (const cns_call *c = calls->call + first; c < calls->call + end; c++) {
-        int x[CNS_CALL_ARGUMENTS];
-        for (int i = 0; i < CNS_CALL_ARGUMENTS; i++)
-            x[i] = c->arg[i] + (c->grows[i] ? k - calls->order : 0);
-        switch (c->kind) {
-        case CNS_CALL_ZERO:
-            zero(A);
-            break;
-        case CNS_CALL_COEF:
-            coef(A, x[0], x[1], x[2]);
-            break;
-        case CNS_CALL_SCALED:
-            scaled(A, x[0], x[1], x[2], x[3]);
-            break;
-        case CNS_CALL_CONV:
-            conv(A, x[0], x[1], x[2], x[3], x[4], x[5]);
-            break;
-        case CNS_CALL_SQUARE:
-            square(A, x[0], x[1], x[2], x[3]);
-            break;
-        case CNS_CALL_STORE:
-            store(A, x[0], x[1]);
-            break;
-        case CNS_CALL_STORE_SCALED:
-            store_scaled(A, x[0], x[1], x[2]);
-            break;
-        case CNS_CALL_STORE_RATIO:
-            store_ratio(A, x[0], x[1], x[2], x[3]);
-            break;
-        case CNS_CALL_STORE_OVER:
-            store_over(A, x[0], x[1], x[2], x[3], x[4]);
-            break;
-        case CNS_CALL_STORE_NEXT:
-            store_next(A, x[0], x[1], x[2]);
-            break;
-        }
-    }
-}
-
 /* The levels that calls before `end` at order k leave: those of lower orders with the same exponents are none
  * higher. */
 static void call_levels(cns_arith *A, const cns_calls *calls, int end, int k)
@@ -349,7 +308,7 @@ static bool orders(cns_arith *A, const cns_calls *calls, int from, int to)
             first = stuck->group;
             call_levels(A, calls, first, k);
         }
-        call(A, calls, first, calls->n, k++);
+        cns_make_calls(&cns_arith_fast, A, calls, first, k++);
     }
     return !F->singular;
 }
