@@ -117,8 +117,8 @@ typedef struct cns_arith_ops {
     void (*store_next)(cns_arith *A, int x, int k, int c);
     /* x_{k+1} = c_0 * acc * H/(k+1); c = -1: no factor */
 
-    /* Orders from..to-1 in one go: the same results as those calls, order by order. False: the expansion has
-     * failed. NULL: nothing is gained by it. */
+    /* Orders from..to-1 in one go: the same results as those calls, order by order. False: the expansion was
+     * found to have failed. NULL: nothing is gained by it. */
     bool (*orders)(cns_arith *A, const cns_calls *calls, int from, int to);
 
     /* Order-0 functions; w2 and b as cns_function says, -1 where unused. */

@@ -296,9 +296,9 @@ static void call_levels(cns_arith *A, const cns_calls *calls, int end, int k)
 static bool orders(cns_arith *A, const cns_calls *calls, int from, int to)
 {
     fx *F = A->F;
-    for (int k = from; k < to && !F->singular;) {
+    for (int k = from; k < to; k++) {
         int first = 0;
-        if (F->rows[k] <= FX_ONE_ROWS && fx_work_out(F, calls, k)) {
+        if (!F->singular && F->rows[k] <= FX_ONE_ROWS && fx_work_out(F, calls, k)) {
             const int begun = k;
             const fx_step *stuck = A->ops->run(F, &F->recipe, &k, to);
             if (k > begun)
@@ -308,9 +308,11 @@ static bool orders(cns_arith *A, const cns_calls *calls, int from, int to)
             first = stuck->group;
             call_levels(A, calls, first, k);
         }
-        cns_make_calls(&cns_arith_fast, A, calls, first, k++);
+        cns_make_calls(&cns_arith_fast, A, calls, first, k);
+        if (k % 8 == 7 && F->singular)
+            return false;
     }
-    return !F->singular;
+    return true;
 }
 
 static void function(cns_arith *A, cns_function f, int w, int w2, int a, int b)
