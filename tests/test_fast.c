@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "integrate/method.h"
 #include "num/fixed.h"
 #include "problem.h"
 #include "taylor/arith_fast.h"
@@ -365,6 +366,30 @@ static void one_polynomial(world *x)
     double distance = log2_distance(y, x->s), bound = exponent_of(U) + 2 - finest + log2(n + 2.0);
     CHECK(distance <= bound, "the sum at %g of %d is wrong by 2^%.1f, above 2^%.1f",
           mpfr_get_d(tau, MPFR_RNDN), n, distance, bound);
+    if (mpfr_zero_p(tau) || n > FX_MAX_SLOPE) {
+        mpfr_clears(y, tau, (mpfr_ptr)0);
+        return;
+    }
+    /* the slope, times tau, and its largest term */
+    double largest, term = -HUGE_VAL;
+    mpfr_set_zero(x->s, 1);
+    for (int k = n; k >= 1; k--) {
+        mpfr_mul_ui(x->p, x->u[k], (unsigned long)k, MPFR_RNDN);
+        mpfr_mul(x->s, x->s, tau, MPFR_RNDN);
+        mpfr_add(x->s, x->s, x->p, MPFR_RNDN);
+        term = fmax(term, log2_of(x->p) + k * log2_of(tau));
+    }
+    mpfr_mul(x->s, x->s, tau, MPFR_RNDN);
+    for (int i = 0; i < n_each; i++) {
+        ck_assert(ops->slope(each[i], i == 0 ? y : x->p, &largest, U, n, tau));
+        CHECK(i == 0 || mpfr_equal_p(y, x->p), "slope: kernels differ");
+    }
+    mpfr_mul(y, y, tau, MPFR_RNDN);
+    distance = log2_distance(y, x->s);
+    CHECK(distance <= bound, "the slope at %g of %d is wrong by 2^%.1f, above 2^%.1f",
+          mpfr_get_d(tau, MPFR_RNDN), n, distance, bound);
+    CHECK(largest == term || fabs(largest - term) <= 1.01, "the largest term is 2^%.1f, not 2^%.1f", term,
+          largest);
     mpfr_clears(y, tau, (mpfr_ptr)0);
 }
 
@@ -856,7 +881,155 @@ START_TEST(jets_keep_their_bound)
 }
 END_TEST
 
+/* Every operation there is, some of whose series vanish or begin late. */
+static cns_program *all_operations(void)
+{
+    cns_program *p = program_new(4, NULL);
+    cns_node x = cns_state(p, 0), y = cns_state(p, 1), z = cns_state(p, 2), w = cns_state(p, 3);
+    cns_node half = cns_constant(p, "1/2"), three = cns_constant(p, "3"), sine, cosine;
+    cns_sincos(p, cns_mul(p, x, z), &sine, &cosine);
+    cns_node square = cns_add(p, three, cns_sqr(p, y));
+    cns_derivative(p, 0, cns_sub(p, cns_div(p, sine, square), cns_mul(p, half, cns_abs(p, y))));
+    cns_derivative(p, 1, cns_add(p, cns_mul(p, cns_log(p, square), cosine), cns_neg(p, cns_sqrt(p, square))));
+    cns_derivative(
+        p, 2, cns_sub(p, cns_mul(p, cns_pow(p, square, cns_constant(p, "-1/3")), x), cns_hypot(p, y, three)));
+    cns_derivative(p, 3, cns_mul(p, w, cns_exp(p, cns_mul(p, cns_constant(p, "-1/5"), cns_sqr(p, z)))));
+    return finished(p);
+}
+
+/* Whole orders at once, by their notes and recipes, against every call as it comes: the same bits, with steps
+ * so long that block exponents must be raised on the way. */
+START_TEST(orders_at_once_change_nothing)
+{
+    cns_arith_ops one_by_one = *ops;
+    one_by_one.orders = NULL;
+    stream = test_seed() + 31u * (uint64_t)_i;
+    round_seed = stream;
+    setenv("CNS_KERNEL", kernels[_i % KERNELS], 1);
+    if (!has_kernel(kernels[_i % KERNELS]))
+        return;
+    long raised = 0, compared = 0;
+    for (int arcs = 0; arcs < 30; arcs++) {
+        char text[8][TEXT];
+        const char *texts[8];
+        cns_program *p = one_in(3)   ? all_operations()
+                         : one_in(3) ? random_program("lorenz", NULL)
+                                     : random_program("apw", one_in(2) ? "1e-3" : NULL);
+        const int n = cns_program_states(p), order = (int)pick(1, one_in(4) ? 260 : 90);
+        const mpfr_prec_t prec = pick(30, one_in(3) ? 900 : 300);
+        random_states(p, text, texts, true);
+        cns_number *given = numbers_new(n, texts);
+        mpfr_t *state = vector_new(n, prec), *c = vector_new(n * (order + 1), prec + 200),
+               *d = vector_new(n * (order + 1), prec + 200);
+        cns_jet *at_once = jet_new(p, ops, order, prec), *single = jet_new(p, &one_by_one, order, prec);
+        const int decay = (int)pick(1, 3);
+        ops->set_decay(cns_jet_arith(at_once), decay);
+        ops->set_decay(cns_jet_arith(single), decay);
+        double H = exp2(-2 - 4 * test_random_unit(&stream));
+        for (int i = 0; i < n; i++)
+            cns_number_get_mpfr(state[i], &given[i]);
+        for (int times = 0; times < 4; times++) {
+            cns_fast_status status;
+            const bool good = expand(at_once, order, H, state, n, c);
+            CHECK(expand(single, order, H, state, n, d) == good, "order %d: only one fails", order);
+            CHECK(ops->noise_log2(cns_jet_arith(at_once)) == ops->noise_log2(cns_jet_arith(single)),
+                  "order %d, H = %g: noise differs", order, H);
+            if (!good)
+                continue;
+            for (int i = 0; i < n * (order + 1); i++)
+                CHECK(mpfr_equal_p(c[i], d[i]),
+                      "order %d, %ld bits, H = %g: state %d, coefficient %d differs", order, (long)prec, H,
+                      i / (order + 1), i % (order + 1));
+            cns_fast_status_get(cns_jet_arith(at_once), &status);
+            raised += status.raised > 0;
+            compared++;
+            H *= one_in(3) ? 0.2 + 2.5 * test_random_unit(&stream) : 1;
+            if (one_in(3))
+                mpfr_add_d(state[pick(0, n - 1)], state[0], 0.01, MPFR_RNDN);
+        }
+        cns_jet_free(at_once);
+        cns_jet_free(single);
+        vector_free(state, n);
+        vector_free(c, n * (order + 1));
+        vector_free(d, n * (order + 1));
+        numbers_free(given, n);
+        cns_program_free(p);
+    }
+    ck_assert_int_gt(compared, 20);
+    ck_assert_int_gt(raised, 0);
+}
+END_TEST
+
 /* Flows. */
+
+/* The derivative that a step is checked by: within its tolerance of the right-hand side, and not of one with
+ * a constant that is wrong in one of the last digits. */
+START_TEST(derivatives_are_sharp)
+{
+    static const char *const initial[] = {"0", "0", "1.7", "-0.45", "-0.3", "0.6"};
+    static const char *const standard[] = {"2.2", "1.2", "pi", "1.4", "1", "0.2", "0.2"};
+    const long digits = 20 + 25 * _i;
+    cns_program *p = model_program("apw", NULL);
+    const int n = cns_program_states(p);
+    cns_flow_spec spec = taylor_spec(p, digits);
+    spec.arithmetic = CNS_ARITH_FAST;
+    const mpfr_prec_t more = spec.prec + 96;
+    mpfr_t *x = vector_new(n, spec.prec), *y = vector_new(n, spec.prec), *dx = vector_new(n, more), tolerance,
+           f;
+    mpfr_inits2(more, tolerance, f, (mpfr_ptr)0);
+    cns_number *given = numbers_new(n, initial);
+    for (int i = 0; i < n; i++)
+        cns_number_get_mpfr(x[i], &given[i]);
+    cns_error err;
+    cns_stepper *s = cns_method_taylor.create(&spec, &err);
+    cns_step step = {.t0 = 0};
+    mpfr_init2(step.h, 2 * spec.prec + 128);
+    cns_method_taylor.start(s);
+    check_ok(cns_method_taylor.step(s, &step, x, y, &err), &err);
+    cns_method_taylor.derivative(s, step.h, dx, tolerance);
+    for (int wrong = -1; wrong < 7; wrong++) {
+        char text[200] = "";
+        const char *texts[7];
+        for (int i = 0; i < 7; i++)
+            texts[i] = standard[i];
+        if (wrong == 2)
+            continue; /* no decimal */
+        if (wrong >= 0) {
+            snprintf(text, sizeof text, "%s%s", standard[wrong], strchr(standard[wrong], '.') ? "" : ".");
+            for (long i = 0; i < digits - 13; i++)
+                strcat(text, "0");
+            strcat(text, "1");
+            texts[wrong] = text;
+        }
+        cns_number *parameters = numbers_new(7, texts);
+        cns_program_options options = {NULL};
+        cns_program *q;
+        check_ok(cns_model_program(cns_model_find("apw"), parameters, &options, &q, &err), &err);
+        cns_jet *check = jet_new(q, &cns_arith_mpfr, 1, more);
+        cns_jet_begin(check, 1);
+        for (int i = 0; i < n; i++)
+            cns_jet_set_state(check, i, y[i]);
+        check_ok(cns_jet_expand(check, 1, &err), &err);
+        bool same = true;
+        for (int i = 0; i < n; i++) {
+            cns_jet_coefficient(check, f, i, 1);
+            mpfr_sub(f, f, dx[i], MPFR_RNDN);
+            same = same && mpfr_cmpabs(f, tolerance) <= 0;
+        }
+        ck_assert_msg(same == (wrong < 0), "%ld digits: parameter %d", digits, wrong);
+        cns_jet_free(check);
+        cns_program_free(q);
+        numbers_free(parameters, 7);
+    }
+    cns_method_taylor.destroy(s);
+    mpfr_clears(tolerance, f, step.h, (mpfr_ptr)0);
+    vector_free(x, n);
+    vector_free(y, n);
+    vector_free(dx, n);
+    numbers_free(given, n);
+    cns_program_free(p);
+}
+END_TEST
 
 /* A program of the model with its defaults, or with random parameters. */
 static cns_flow *start_flow(const cns_flow_spec *spec, cns_arithmetic arithmetic, const char *const *initial)
@@ -1080,9 +1253,11 @@ Suite *suite_fast(void)
     suite_add_tcase(s, t);
     t = tcase_create("jets");
     tcase_add_test(t, jets_keep_their_bound);
+    tcase_add_loop_test(t, orders_at_once_change_nothing, 0, 4 * KERNELS);
     suite_add_tcase(s, t);
     t = tcase_create("flows");
     tcase_add_loop_test(t, flows_agree, 0, (int)(sizeof trajectories / sizeof *trajectories));
+    tcase_add_loop_test(t, derivatives_are_sharp, 0, 5);
     tcase_add_test(t, the_reference);
     tcase_add_test(t, digits_pay_one_for_one);
     tcase_add_test(t, orders_1_to_400);

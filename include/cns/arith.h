@@ -33,6 +33,32 @@ typedef struct cns_arith_spec {
     mpfr_prec_t prec; /* working precision in bits; the double backend ignores it */
 } cns_arith_spec;
 
+/* A call of one of the primitives below, as noted by an expansion: its arguments in their order, and which of
+ * them grow by one with every order. */
+enum { CNS_CALL_ARGUMENTS = 6 };
+
+typedef struct cns_call {
+    enum {
+        CNS_CALL_ZERO,
+        CNS_CALL_COEF,
+        CNS_CALL_SCALED,
+        CNS_CALL_CONV,
+        CNS_CALL_SQUARE,
+        CNS_CALL_STORE,
+        CNS_CALL_STORE_SCALED,
+        CNS_CALL_STORE_RATIO,
+        CNS_CALL_STORE_OVER,
+        CNS_CALL_STORE_NEXT
+    } kind;
+    int arg[CNS_CALL_ARGUMENTS];
+    bool grows[CNS_CALL_ARGUMENTS];
+} cns_call;
+
+typedef struct cns_calls {
+    const cns_call *call;
+    int n, order; /* the arguments are those of this order */
+} cns_calls;
+
 typedef struct cns_arith_ops {
     const char *name;
 
@@ -51,6 +77,10 @@ typedef struct cns_arith_ops {
     /* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 2^reach_log2, cheapest where tau has some 32 bits only. NULL:
      * the caller sums coefficients itself. */
     void (*sum)(cns_arith *A, mpfr_t y, int a, int n, const mpfr_t tau);
+    /* y = sum_{k <= n} k a_k tau^(k-1), tau > 0, from the coefficients as they are, with an error below their
+     * own; *largest_log2: of its largest term times tau, to a bit, -HUGE_VAL if all vanish. False, or NULL:
+     * the caller sums coefficients itself. */
+    bool (*slope)(cns_arith *A, mpfr_t y, double *largest_log2, int a, int n, const mpfr_t tau);
 
     cns_arith *(*create)(const cns_arith_spec *spec, cns_error *err); /* NULL: out of memory or range */
     void (*destroy)(cns_arith *A);
@@ -86,6 +116,10 @@ typedef struct cns_arith_ops {
     /* w_k = acc / d_v, or acc / (2 d_v) */
     void (*store_next)(cns_arith *A, int x, int k, int c);
     /* x_{k+1} = c_0 * acc * H/(k+1); c = -1: no factor */
+
+    /* Orders from..to-1 in one go: the same results as those calls, order by order. False: the expansion was
+     * found to have failed. NULL: nothing is gained by it. */
+    bool (*orders)(cns_arith *A, const cns_calls *calls, int from, int to);
 
     /* Order-0 functions; w2 and b as cns_function says, -1 where unused. */
     void (*function)(cns_arith *A, cns_function f, int w, int w2, int a, int b);

@@ -501,24 +501,38 @@ static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_e
     return CNS_OK;
 }
 
+/* dx_i/dtau at s->tau, and log2 of the largest of its terms times tau. */
+static void slope(cns_stepper *s, int i, mpfr_t dx, double *largest_log2)
+{
+    const cns_arith_ops *ops = cns_jet_ops(s->jet);
+    if (ops->slope && ops->slope(cns_jet_arith(s->jet), dx, largest_log2, cns_jet_state_series(s->jet, i),
+                                 s->order, s->tau))
+        return;
+    load(s);
+    mpfr_t *c = coefficients(s, i);
+    const double tau_log2 = cns_log2_mpfr(s->tau);
+    *largest_log2 = -HUGE_VAL;
+    mpfr_set_zero(s->sum, 1);
+    for (int k = s->order; k >= 1; k--) {
+        mpfr_mul(s->sum, s->sum, s->tau, MPFR_RNDN);
+        mpfr_mul_ui(s->term, c[k], (unsigned long)k, MPFR_RNDN);
+        mpfr_add(s->sum, s->sum, s->term, MPFR_RNDN);
+        if (!mpfr_zero_p(s->term))
+            *largest_log2 = fmax(*largest_log2, (double)mpfr_get_exp(s->term) + k * tau_log2);
+    }
+    mpfr_set(dx, s->sum, MPFR_RNDN);
+}
+
 /* dx/dt at time t after the beginning, and a bound on its error. */
 static void derivative(cns_stepper *s, const mpfr_t t, mpfr_t *dx, mpfr_t tolerance)
 {
-    load(s);
+    double l, largest_log2; /* of the terms of tau dx/dtau, or 1 / dt */
     set_tau(s, t);
-    double tau_log2 = cns_log2_mpfr(s->tau),
-           largest_log2 = tau_log2; /* of the terms of tau dx/dtau, or 1 / dt */
+    largest_log2 = cns_log2_mpfr(s->tau);
     for (int i = 0; i < s->n; i++) {
-        mpfr_t *c = coefficients(s, i);
-        mpfr_set_zero(s->sum, 1);
-        for (int k = s->order; k >= 1; k--) {
-            mpfr_mul(s->sum, s->sum, s->tau, MPFR_RNDN);
-            mpfr_mul_ui(s->term, c[k], (unsigned long)k, MPFR_RNDN);
-            mpfr_add(s->sum, s->sum, s->term, MPFR_RNDN);
-            if (!mpfr_zero_p(s->term))
-                largest_log2 = fmax(largest_log2, (double)mpfr_get_exp(s->term) + k * tau_log2);
-        }
-        mpfr_div_d(dx[i], s->sum, s->H, MPFR_RNDN);
+        slope(s, i, dx[i], &l);
+        largest_log2 = fmax(largest_log2, l);
+        mpfr_div_d(dx[i], dx[i], s->H, MPFR_RNDN);
     }
     /* Rounding: a few dozen operations, relative to the largest terms. Truncation: the state's error times
      * order/h, and room for a tail that the last coefficients belittle, as they can by a few digits where a

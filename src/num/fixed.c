@@ -166,6 +166,7 @@ fx *fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel
     F->reciprocal = cells(n, sizeof(fx_const), &ok);
     F->kept = cells(n, sizeof(mpfr_t), &ok);
     F->has_kept = cells(n, sizeof(bool), &ok);
+    F->will_store = cells(n, sizeof(int), &ok);
     if (!ok) {
         fx_destroy(F);
         return NULL;
@@ -242,6 +243,8 @@ void fx_destroy(fx *F)
     free(F->reciprocal);
     free(F->kept);
     free(F->has_kept);
+    free(F->will_store);
+    free(F->recipe.step);
     mpz_clears(F->z, F->z2, (mpz_ptr)NULL);
     mpfr_clears(F->f, F->f2, F->f3, F->g, F->g2, (mpfr_ptr)NULL);
     free(F);
@@ -348,6 +351,18 @@ void fx_get(const fx *F, mpfr_t y, int a, int k)
     mpfr_set_z_2exp(y, z, s->exp + 1 - (long)F->decay * k - (long)FX_BITS * rows, MPFR_RNDN);
 }
 
+/* Limb i of |x|, `last` being the last one that is not zero; 0 only for -1 itself, which is out of range. */
+static inline int64_t limb_of_size(const int64_t *x, int last, int i)
+{
+    if (i > last)
+        return 0;
+    if (x[0] >= 0)
+        return x[i];
+    if (i == 0)
+        return last == 0;
+    return FX_MASK - x[i] + (i == last);
+}
+
 double fx_get_2exp(const fx *F, long *e, int a, int k)
 {
     const fx_series *s = &F->series[a];
@@ -357,32 +372,24 @@ double fx_get_2exp(const fx *F, long *e, int a, int k)
     const int rows = F->rows[k];
     const int64_t *x = value_of(F, s, k);
     const bool negative = x[0] < 0;
-    int64_t *t = F->tmp3;
-    int64_t c = negative;
-    for (int i = rows; i >= 1; i--) {
-        const int64_t d = (negative ? FX_MASK - x[i] : x[i]) + c;
-        t[i] = d & FX_MASK;
-        c = d >> FX_BITS;
-    }
-    t[0] = c; /* 1 only for -1 itself, which is out of range */
-    int i = 0;
-    while (i <= rows && t[i] == 0)
-        i++;
-    if (i > rows)
+    int last = rows;
+    while (last >= 1 && x[last] == 0)
+        last--;
+    if (last == 0 && !negative)
         return 0;
+    int i = 0;
+    while (limb_of_size(x, last, i) == 0)
+        i++;
     /* the 55 bits or more that count, and a sticky bit, in 64 */
-    unsigned __int128 m = (unsigned __int128)t[i];
+    unsigned __int128 m = (unsigned __int128)limb_of_size(x, last, i);
     int used = i;
     while (used < i + 2 && m >> 60 == 0) {
         used++;
-        m = m << FX_BITS | (unsigned __int128)(used <= rows ? t[used] : 0);
+        m = m << FX_BITS | (unsigned __int128)limb_of_size(x, last, used);
     }
-    bool sticky = false;
-    for (int j = used + 1; j <= rows; j++)
-        sticky = sticky || t[j] != 0;
-    int shift = 0;
-    while ((m >> shift) >> 62 != 0)
-        shift++;
+    bool sticky = last > used;
+    const uint64_t above = (uint64_t)(m >> 62);
+    const int shift = above == 0 ? 0 : 64 - __builtin_clzl(above);
     if (shift > 0 && (m & (((unsigned __int128)1 << shift) - 1)) != 0)
         sticky = true;
     const uint64_t top = (uint64_t)(m >> shift) << 1 | sticky;
@@ -482,6 +489,26 @@ void fx_want(fx *F, int a, int parts)
     for (int k = 0; k < s->stored; k++)
         write_limbs(F, s, k);
     fx_sums(F, a, 0);
+}
+
+static bool has(const fx_series *s, int parts)
+{
+    return (s->parts & parts) == parts;
+}
+
+/* Which operand is read forwards does not matter; the fewer copies of series, the better. */
+bool fx_orient(fx *F, int a, int b)
+{
+    const fx_series *s = &F->series[a], *t = &F->series[b];
+    const int missing = !(s->parts & FX_FWD) + !(t->parts & FX_REV),
+              missing_swapped = !(t->parts & FX_FWD) + !(s->parts & FX_REV);
+    const bool swap = missing_swapped < missing;
+    const int forwards = swap ? b : a, backwards = swap ? a : b;
+    if (!has(&F->series[forwards], FX_FWD | FX_SUMS))
+        fx_want(F, forwards, FX_FWD | FX_SUMS);
+    if (!has(&F->series[backwards], FX_REV | FX_SUMS))
+        fx_want(F, backwards, FX_REV | FX_SUMS);
+    return swap;
 }
 
 void fx_fill(fx *F, int a, int k)
@@ -673,24 +700,53 @@ void fx_ratio(fx *F, long p, long q)
     }
 }
 
-void fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau)
+static void sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau, bool slope)
 {
-    const fx_series *s = &F->series[a];
-    if (n >= s->stored)
-        n = s->stored - 1;
-    if (!s->live || n < 0) {
-        mpfr_set_zero(y, 1);
-        return;
-    }
     const_set_scaled(F, &F->tau, tau, F->decay);
-    F->kernel->sum(F, a, n, &F->tau);
+    F->kernel->sum(F, a, n, &F->tau, slope);
     const int rows = F->acc.rows;
     const int64_t *t = F->acc.t;
     mpz_import(F->z, (size_t)rows, 1, 8, 0, 64 - FX_BITS, t + 1);
     mpz_set_si(F->z2, (long)t[0]);
     mpz_mul_2exp(F->z2, F->z2, (mp_bitcnt_t)(FX_BITS * rows));
     mpz_add(F->z, F->z, F->z2);
-    mpfr_set_z_2exp(y, F->z, s->exp + 1 - (long)FX_BITS * rows, MPFR_RNDN);
+    mpfr_set_z_2exp(y, F->z, F->acc.exp - (long)FX_BITS * rows, MPFR_RNDN);
+}
+
+void fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau)
+{
+    const fx_series *s = &F->series[a];
+    if (n >= s->stored)
+        n = s->stored - 1;
+    if (!s->live || n < 0)
+        mpfr_set_zero(y, 1);
+    else
+        sum(F, y, a, n, tau, false);
+}
+
+void fx_slope(fx *F, mpfr_t y, double *largest, int a, int n, const mpfr_t tau)
+{
+    const fx_series *s = &F->series[a];
+    long e;
+    *largest = -HUGE_VAL;
+    if (n >= s->stored)
+        n = s->stored - 1;
+    if (!s->live || n < 1) {
+        mpfr_set_zero(y, 1);
+        return;
+    }
+    sum(F, y, a, n, tau, true);
+    const double m = mpfr_get_d_2exp(&e, tau, MPFR_RNDN), tau_log2 = log2(m) + (double)e;
+    for (int k = 1; k <= n; k++) { /* terms fall at least as k 2^(-3k/4): soon none can be larger */
+        const double bound = (double)s->exp + log2(k) + k * (tau_log2 - (double)F->decay);
+        if (k >= 2 && bound < *largest)
+            break;
+        const double x = fx_get_2exp(F, &e, a, k);
+        int more;
+        frexp(x * k, &more);
+        if (x != 0)
+            *largest = fmax(*largest, (double)(e + more) + k * tau_log2);
+    }
 }
 
 const fx_kernel *fx_kernel_choose(const char *name)

@@ -27,11 +27,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "cns/arith.h"
+
 #define FX_BITS      52
 #define FX_REACH     2 /* sums serve tau up to 2^(FX_REACH/8) */
 #define FX_MASK      ((INT64_C(1) << FX_BITS) - 1)
 #define FX_HALF      (INT64_C(1) << (FX_BITS - 1)) /* 1/2 in t[1] */
 #define FX_MAX_LOAD  256                           /* of few-limb sums: |t[i]| < 2^60 */
+#define FX_MAX_SLOPE 640                           /* the integer part stays below 2^10: n/2 sum 2^(-3k/4) */
 #define FX_LANE_LOAD 1000                          /* of one lane of a column: |lane| < 2^62 */
 #define FX_SUM_LOAD  400                           /* of a column over its 8 lanes: twice it < 2^62 */
 
@@ -72,6 +75,46 @@ typedef struct fx_number {
 
 typedef struct fx fx;
 
+/* What one order of an expansion does, worked out for the block exponents as they are: sums of few limbs in
+ * a register, no exponents to compare, no state to keep (fixed_recipe.c makes it, fixed_core.h runs it). */
+enum { FX_ONE_ROWS = 6 }; /* orders of at most so many rows: with what products add, eight words */
+
+typedef struct fx_step {
+    enum {
+        FX_DO_COEF,   /* a coefficient to the accumulator */
+        FX_DO_SCALED, /* the same times a constant */
+        FX_DO_CONV,   /* a product into the lanes, or the last one: with it their sum to the accumulator */
+        FX_DO_SQUARE,
+        FX_DO_STORE
+    } kind;
+    int group; /* the call that began this sum */
+
+    /* The sum: what comes is moved down by down_x bits, or up by up_x, and added, or subtracted where flip is
+     * ~0, to an accumulator that was carried and moved likewise; where `fresh`, to nothing. */
+    bool fresh, carry;
+    int up, up_x;
+    long down, down_x;
+    uint64_t flip;
+
+    const fx_series *a, *b;
+    const fx_const *c;
+    int weight, weight_grows, order; /* of a coefficient, 0: 1; and how it grows from that order on */
+    int sign, lo, above;             /* of a product: its last term is k - above */
+    bool open, close;                /* the first, the last one of its lanes */
+
+    fx_series *w;
+    int next;   /* 1: stores order k + 1 */
+    bool empty; /* an empty sum */
+    enum { FX_TIMES_NOTHING, FX_TIMES_CONST, FX_TIMES_INVERSE, FX_TIMES_NEXT } times;
+    fx_const *made; /* FX_TIMES_NEXT: c / (k + 1) */
+    long exp;       /* of the sum, and of c if it stays, less that of the coefficient */
+} fx_step;
+
+typedef struct fx_recipe {
+    int n, capacity;
+    fx_step *step;
+} fx_recipe;
+
 typedef struct fx_kernel {
     const char *name;
     void (*zero)(fx *F);
@@ -84,8 +127,12 @@ typedef struct fx_kernel {
     void (*store_ratio)(fx *F, int w, int k, long p, long q);
     void (*store_over)(fx *F, int w, int k, int d, int v, int twice);
     void (*store_next)(fx *F, int w, int k, int c);
-    /* The accumulator is sum_{k <= n} A_k c^k, c a fraction in [0, 1) without an exponent. */
-    void (*sum)(fx *F, int a, int n, const fx_const *c);
+    /* The accumulator is sum_{k <= n} A_k c^k, c a fraction in [0, 1) without an exponent; of a slope,
+     * sum_{k <= n} k A_k c^(k-1) 2^-d, n <= FX_MAX_SLOPE. */
+    void (*sum)(fx *F, int a, int n, const fx_const *c, bool slope);
+    /* Orders *k..to-1 by the recipe; rows[*k] <= FX_ONE_ROWS. Returns NULL, or the step at which order *k met
+     * a coefficient that wants another block exponent: the sum it belongs to is not stored. */
+    const fx_step *(*run)(fx *F, const fx_recipe *R, int *k, int to);
 } fx_kernel;
 
 struct fx {
@@ -118,6 +165,9 @@ struct fx {
     fx_const *reciprocal;    /* per series d: 1/d_v, the last v used */
     fx_const tau;            /* of a sum, times 2^-d */
 
+    fx_recipe recipe;
+    int *will_store; /* per series: orders stored at the place of a recipe that is worked out */
+
     size_t bytes; /* allocated */
 
     mpz_t z, z2;
@@ -141,6 +191,10 @@ double fx_get_2exp(const fx *F, long *e, int a, int k);
 /* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 2^(FX_REACH/8), with an error below 3 (n+1) 2^(e-W). Costs least
  * where tau has few bits. */
 void fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau);
+/* y = sum_{k <= n} k a_k tau^(k-1), n <= FX_MAX_SLOPE, made from the stored coefficients with an error below
+ * 3 (n+1) 2^(e-W) / tau, tau > 0; *largest: log2 of its largest term times tau, to a bit, -HUGE_VAL if all
+ * vanish. */
+void fx_slope(fx *F, mpfr_t y, double *largest, int a, int n, const mpfr_t tau);
 
 long fx_learnt(const fx *F, int a); /* the block exponent the next expansion will take */
 void fx_set_exponent(fx *F, int a, long e);
@@ -152,6 +206,9 @@ void fx_want(fx *F, int a, int parts);  /* more parts */
 void fx_prepare_constant(fx *F, int c); /* constant[c] */
 void fx_prepare_step(fx *F, int c);     /* step_const[c] */
 const fx_const *fx_reciprocal(fx *F, int d, int v);
+bool fx_orient(fx *F, int a, int b); /* parts for a product a b; true: b is read forwards */
+/* The recipe of order k and those after it. False: these calls, or the series as they are, have none. */
+bool fx_work_out(fx *F, const cns_calls *calls, int k);
 void fx_ratio(fx *F, long p, long q);                                            /* acc *= p / q, slowly */
 void fx_shift(int64_t *out, const int64_t *t, int rows, int t_rows, long shift); /* t 2^shift, floor */
 

@@ -64,6 +64,40 @@
         into(lanes + 8 * (p + 1), high, sign, keep);                                                         \
     }
 
+/* Column q = p + 1 of the same, and column n after the last, in registers. */
+#define COLUMN(p, q, n)                                                                                      \
+    if (p < d) {                                                                                             \
+        __m512i high = _mm512_add_epi64(ha##p, carried);                                                     \
+        carried = la##p;                                                                                     \
+        if (sets > 1) {                                                                                      \
+            high = _mm512_add_epi64(high, hb##p);                                                            \
+            carried = _mm512_add_epi64(carried, lb##p);                                                      \
+        }                                                                                                    \
+        if (sets > 2) {                                                                                      \
+            high = _mm512_add_epi64(high, hc##p);                                                            \
+            carried = _mm512_add_epi64(carried, lc##p);                                                      \
+        }                                                                                                    \
+        c##q = high;                                                                                         \
+        if (p == d - 1)                                                                                      \
+            c##n = carried;                                                                                  \
+    }
+
+/* Word p of the result is the sum over the lanes of column p: a transpose by halves, adding on the way. */
+INLINE __m512i across(__m512i c0, __m512i c1, __m512i c2, __m512i c3, __m512i c4, __m512i c5, __m512i c6,
+                      __m512i c7)
+{
+    const __m512i s0 = _mm512_add_epi64(_mm512_unpacklo_epi64(c0, c1), _mm512_unpackhi_epi64(c0, c1));
+    const __m512i s1 = _mm512_add_epi64(_mm512_unpacklo_epi64(c2, c3), _mm512_unpackhi_epi64(c2, c3));
+    const __m512i s2 = _mm512_add_epi64(_mm512_unpacklo_epi64(c4, c5), _mm512_unpackhi_epi64(c4, c5));
+    const __m512i s3 = _mm512_add_epi64(_mm512_unpacklo_epi64(c6, c7), _mm512_unpackhi_epi64(c6, c7));
+    /* pairs (column 2i, column 2i + 1) in each of four 128-bit parts */
+    const __m512i u0 =
+        _mm512_add_epi64(_mm512_shuffle_i64x2(s0, s1, 0x88), _mm512_shuffle_i64x2(s0, s1, 0xdd));
+    const __m512i u1 =
+        _mm512_add_epi64(_mm512_shuffle_i64x2(s2, s3, 0x88), _mm512_shuffle_i64x2(s2, s3, 0xdd));
+    return _mm512_add_epi64(_mm512_shuffle_i64x2(u0, u1, 0x88), _mm512_shuffle_i64x2(u0, u1, 0xdd));
+}
+
 INLINE void into(int64_t *lane, __m512i x, int sign, __mmask8 keep)
 {
     const __m512i s = _mm512_maskz_load_epi64(keep, lane);
@@ -75,7 +109,7 @@ INLINE void into(int64_t *lane, __m512i x, int sign, __mmask8 keep)
 INLINE void tile(int64_t *lanes, const uint64_t *a, const uint64_t *b, size_t stride, int blocks,
                  __mmask8 first, __mmask8 last, const int sign, __mmask8 keep, const int r, const int w,
                  const int corner, const int sets, const int square, int mid, const uint64_t *a0,
-                 const uint64_t *b0)
+                 const uint64_t *b0, __m512i *reduced)
 {
     const int d = r + w - 1;
     const __m512i zero = _mm512_setzero_si512();
@@ -122,6 +156,17 @@ INLINE void tile(int64_t *lanes, const uint64_t *a, const uint64_t *b, size_t st
         EACH(TWICE)
     }
     __m512i carried = zero;
+    if (reduced != NULL) {
+        __m512i c1 = zero, c2 = zero, c3 = zero, c4 = zero, c5 = zero, c6 = zero, c7 = zero;
+        COLUMN(0, 1, 2)
+        COLUMN(1, 2, 3)
+        COLUMN(2, 3, 4)
+        COLUMN(3, 4, 5)
+        COLUMN(4, 5, 6)
+        COLUMN(5, 6, 7)
+        *reduced = across(zero, c1, c2, c3, c4, c5, c6, c7);
+        return;
+    }
     EACH(OUT)
     into(lanes + 8 * (d + 1), carried, sign, keep);
 }
@@ -134,12 +179,13 @@ typedef void triangle_function(ARGS);
 #define TRIANGLE(M, SETS)                                                                                    \
     static void conv_##M(ARGS)                                                                               \
     {                                                                                                        \
-        tile(lanes, a, b, stride, blocks, first, last, sign, keep, M, 1, 1, SETS, 0, mid, a0, b0);           \
+        tile(lanes, a, b, stride, blocks, first, last, sign, keep, M, 1, 1, SETS, 0, mid, a0, b0, NULL);     \
     }                                                                                                        \
     static void square_##M(ARGS)                                                                             \
     {                                                                                                        \
-        tile(lanes, a, b, stride, blocks, first, last, sign, keep, M, 1, 1, SETS, 1, mid, a0, b0);           \
+        tile(lanes, a, b, stride, blocks, first, last, sign, keep, M, 1, 1, SETS, 1, mid, a0, b0, NULL);     \
     }
+#define SETS(M) ((M) == 3 ? 3 : (M) == 1 || (M) > 6 ? 1 : 2)
 TRIANGLE(1, 1)
 TRIANGLE(2, 2)
 TRIANGLE(3, 3)
@@ -163,7 +209,7 @@ static triangle_function *const square_small[SMALL + 1] = {NULL,     square_1, s
 #define TRAPEZOID(W)                                                                                         \
     static void trapezoid_##W(ARGS)                                                                          \
     {                                                                                                        \
-        tile(lanes, a, b, stride, blocks, first, last, sign, keep, TILE, W, 1, 1, 0, mid, a0, b0);           \
+        tile(lanes, a, b, stride, blocks, first, last, sign, keep, TILE, W, 1, 1, 0, mid, a0, b0, NULL);     \
     }
 TRAPEZOID(1)
 TRAPEZOID(2)
@@ -176,7 +222,7 @@ static triangle_function *const trapezoid[TILE + 1] = {NULL,        trapezoid_1,
 
 static void full_tile(ARGS)
 {
-    tile(lanes, a, b, stride, blocks, first, last, sign, keep, TILE, TILE, 0, 1, 0, mid, a0, b0);
+    tile(lanes, a, b, stride, blocks, first, last, sign, keep, TILE, TILE, 0, 1, 0, mid, a0, b0, NULL);
 }
 
 static void k_carry_lanes(int64_t *lanes, int *load, int rows)
@@ -337,16 +383,15 @@ typedef uint64_t vector __attribute__((vector_size(64), aligned(8), may_alias));
 #define BEFORE(p) ((vector)_mm512_alignr_epi64(_mm512_loadu_si512(p), _mm512_loadu_si512((p)-8), 7))
 #define AFTER(p)  ((vector)_mm512_alignr_epi64(_mm512_loadu_si512((p) + 8), _mm512_loadu_si512(p), 1))
 
-/* Two rounds leave every limb in [-1, 2^52]; a carry that runs further is rare and done limb by limb. */
+/* One round leaves every limb in [-2^11, 2^52 + 2^11] and, but for one in 2^41 of random limbs, in place;
+ * what is left is done limb by limb. */
 INLINE void k_carry_one(vector *t, int rows)
 {
     const __m512i limb = _mm512_set1_epi64(FX_MASK);
-    const __m512i zero = _mm512_setzero_si512();
-    __m512i x = _mm512_maskz_mov_epi64((__mmask8)(0xff >> (7 - rows)), (__m512i)*t);
+    const __mmask8 moves = (__mmask8)((2 << rows) - 2);
+    __m512i x = _mm512_maskz_mov_epi64((__mmask8)(moves | 1), (__m512i)*t);
     x = _mm512_add_epi64(_mm512_mask_and_epi64(x, 0xfe, x, limb),
-                         _mm512_alignr_epi64(zero, _mm512_srai_epi64(x, FX_BITS), 1));
-    x = _mm512_add_epi64(_mm512_mask_and_epi64(x, 0xfe, x, limb),
-                         _mm512_alignr_epi64(zero, _mm512_srai_epi64(x, FX_BITS), 1));
+                         _mm512_alignr_epi64(_mm512_setzero_si512(), _mm512_srai_epi64(x, FX_BITS), 1));
     *t = (vector)x;
     if (__builtin_expect(_mm512_mask_cmpgt_epu64_mask(0xfe, x, limb) != 0, 0)) {
         vector slow = *t; /* apart, so that *t can stay in a register */
@@ -363,23 +408,12 @@ INLINE void k_carry(int64_t *t, int rows)
         k_carry_one((vector *)t, rows);
 }
 
-/* t[p] = sum over lanes of column p, eight columns at a time: a transpose by halves, adding on the way. */
+/* t[p] = sum over lanes of column p, eight columns at a time; those beyond the last are not looked at. */
 INLINE __m512i reduce_eight(const int64_t *lanes)
 {
-    __m512i r[8], s[4];
-#pragma GCC unroll 8
-    for (int i = 0; i < 8; i++)
-        r[i] = _mm512_load_si512(lanes + 8 * i); /* those beyond are not looked at */
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; i++)
-        s[i] = _mm512_add_epi64(_mm512_unpacklo_epi64(r[2 * i], r[2 * i + 1]),
-                                _mm512_unpackhi_epi64(r[2 * i], r[2 * i + 1]));
-    /* s[i]: pairs (column 2i, column 2i + 1) in each of four 128-bit parts */
-    const __m512i u0 =
-        _mm512_add_epi64(_mm512_shuffle_i64x2(s[0], s[1], 0x88), _mm512_shuffle_i64x2(s[0], s[1], 0xdd));
-    const __m512i u1 =
-        _mm512_add_epi64(_mm512_shuffle_i64x2(s[2], s[3], 0x88), _mm512_shuffle_i64x2(s[2], s[3], 0xdd));
-    return _mm512_add_epi64(_mm512_shuffle_i64x2(u0, u1, 0x88), _mm512_shuffle_i64x2(u0, u1, 0xdd));
+    return across(_mm512_load_si512(lanes), _mm512_load_si512(lanes + 8), _mm512_load_si512(lanes + 16),
+                  _mm512_load_si512(lanes + 24), _mm512_load_si512(lanes + 32), _mm512_load_si512(lanes + 40),
+                  _mm512_load_si512(lanes + 48), _mm512_load_si512(lanes + 56));
 }
 
 static inline void k_reduce(int64_t *t, const int64_t *lanes, int columns)
@@ -454,6 +488,152 @@ static inline void k_mul_short(int64_t *out, const int64_t *x, int rows, const f
         left = now;
     }
     out[1] += whole;
+}
+
+INLINE void k_mul_short_one(vector *out, const vector *x, int rows, const fx_const *c)
+{
+    const __m512i f = _mm512_set1_epi64(c->limb[1]);
+    const __m512i now = _mm512_maskz_mov_epi64((__mmask8)((2 << rows) - 2), (__m512i)*x);
+    const __m512i shifted = _mm512_alignr_epi64(now, _mm512_setzero_si512(), 7);
+    const __m512i high = _mm512_madd52hi_epu64(_mm512_setzero_si512(), now, f);
+    const __m512i whole = _mm512_maskz_set1_epi64(2, (int64_t)(*x)[0] * c->limb[1]);
+    *out = (vector)_mm512_add_epi64(_mm512_madd52lo_epu64(high, shifted, f), whole);
+}
+
+INLINE void k_mul_one(vector *out, const int64_t *x, const int rows, const fx_const *c)
+{
+    if (__builtin_expect(x[0] < -400 || x[0] > 400, 0)) {
+        vector wide = {0};
+        mul_wide((int64_t *)&wide, x, rows, c);
+        *out = wide;
+        return;
+    }
+    __m512i sum;
+    if (c->used <= 1) {
+        vector y;
+        k_mul_short_one(&y, (const vector *)x, rows, c);
+        sum = (__m512i)y;
+    } else {
+        const int64_t *const limb = c->limb;
+        __m512i low = _mm512_setzero_si512(), high = low;
+        const __m512i whole = _mm512_mullo_epi64(_mm512_set1_epi64(x[0]), _mm512_loadu_si512(limb));
+#pragma GCC unroll 8
+        for (int i = 1; i <= rows; i++) {
+            const __m512i xi = _mm512_set1_epi64(x[i]);
+            high = _mm512_madd52hi_epu64(high, xi, _mm512_loadu_si512(limb + 1 - i));
+            low = _mm512_madd52lo_epu64(low, xi, _mm512_loadu_si512(limb - i));
+        }
+        low = _mm512_add_epi64(low, whole);
+        sum = _mm512_mask_add_epi64(low, (__mmask8)((2 << rows) - 1), low, high);
+    }
+    if (c->sign < 0)
+        sum = _mm512_sub_epi64(_mm512_setzero_si512(), sum);
+    *out = (vector)sum;
+    k_carry_one(out, rows + 1);
+}
+
+/* Blocks of a product that one tile does without a carry: the load of a lane, over its eight, stays in 63
+ * bits.
+ */
+INLINE bool fits(int load, const int rows, int blocks)
+{
+    return load + 2 * rows * blocks < 256 && blocks <= BLOCKS;
+}
+
+/* The lanes and, with the sign, what a tile has summed. Limbs of *x are below 2^53 in size. */
+INLINE void close_one(const int64_t *lanes, const int rows, int sign, bool open, __m512i sum, vector *x)
+{
+    if (sign < 0)
+        sum = _mm512_sub_epi64(_mm512_setzero_si512(), sum);
+    if (!open)
+        sum = _mm512_add_epi64(sum, reduce_eight(lanes));
+    sum = _mm512_maskz_mov_epi64((__mmask8)((4 << rows) - 1), sum);
+    sum = _mm512_add_epi64(_mm512_mask_and_epi64(sum, 0xfe, sum, _mm512_set1_epi64(FX_MASK)),
+                           _mm512_alignr_epi64(_mm512_setzero_si512(), _mm512_srai_epi64(sum, FX_BITS), 1));
+    *x = (vector)sum;
+}
+
+INLINE void close_lanes(int64_t *lanes, int *load, const int rows, vector *x)
+{
+    if (8 * *load > FX_SUM_LOAD)
+        k_carry_lanes(lanes, load, rows);
+    *x = (vector)reduce_eight(lanes);
+}
+
+/* The product joins the lanes, or is the first of them; where it closes them, *x is their sum. */
+INLINE void k_conv_one(int64_t *lanes, int *load, const int rows, const uint64_t *a, const uint64_t *b,
+                       size_t stride, int lo, int hi, int sign, bool open, bool close, vector *x)
+{
+    const int j = lo & ~7, blocks = (hi >> 3) - (lo >> 3) + 1;
+    if (close && fits(*load, rows, blocks)) {
+        const __mmask8 first = (__mmask8)(0xff << (lo & 7)), last = (__mmask8)(0xff >> (7 - (hi & 7)));
+        __m512i sum;
+        tile(NULL, a + j, b + j, stride, blocks, first, last, 1, 0, rows, 1, 1, SETS(rows), 0, -1, a, b,
+             &sum);
+        close_one(lanes, rows, sign, open, sum, x);
+        return;
+    }
+    k_conv(lanes, load, rows, a, b, stride, lo, hi, sign);
+    if (close)
+        close_lanes(lanes, load, rows, x);
+}
+
+INLINE void k_square_one(int64_t *lanes, int *load, const int rows, const uint64_t *a, const uint64_t *b,
+                         size_t stride, int lo, int hi, int mid, int sign, bool open, bool close, vector *x)
+{
+    const int j = lo & ~7, blocks = hi < lo ? 0 : (hi >> 3) - (lo >> 3) + 1;
+    if (close && fits(*load, rows, 2 * blocks + 1)) {
+        const __mmask8 first = (__mmask8)(0xff << (lo & 7)), last = (__mmask8)(0xff >> (7 - (hi & 7)));
+        __m512i sum;
+        tile(NULL, a + j, b + j, stride, blocks, first, last, 1, 0, rows, 1, 1, SETS(rows), 1, mid, a, b,
+             &sum);
+        close_one(lanes, rows, sign, open, sum, x);
+        return;
+    }
+    k_square(lanes, load, rows, a, b, stride, lo, hi, mid, sign);
+    if (close)
+        close_lanes(lanes, load, rows, x);
+}
+
+INLINE void k_before_one(vector *y, const vector *x)
+{
+    *y = (vector)_mm512_alignr_epi64((__m512i)*x, _mm512_setzero_si512(), 7);
+}
+
+INLINE void k_after_one(vector *y, const vector *x)
+{
+    *y = (vector)_mm512_alignr_epi64(_mm512_setzero_si512(), (__m512i)*x, 1);
+}
+
+/* Word i of the result is word i - q, or that of `fill` where there is none. */
+INLINE __m512i words_up(__m512i x, int q, __m512i fill)
+{
+    const __m512i from = _mm512_sub_epi64(_mm512_set_epi64(7, 6, 5, 4, 3, 2, 1, 0), _mm512_set1_epi64(q));
+    return _mm512_mask_permutexvar_epi64(fill, (__mmask8)(0xff << (q < 8 ? q : 8)), from, x);
+}
+
+/* x 2^(-52 q - r), what lies above its first limb being zero. */
+INLINE void k_down_one(vector *x, int q, int r)
+{
+    const __m512i zero = _mm512_setzero_si512(), limb = _mm512_set1_epi64(FX_MASK);
+    const __m512i t = words_up((__m512i)*x, q, zero), before = words_up((__m512i)*x, q + 1, zero);
+    *x = (vector)_mm512_add_epi64(
+        _mm512_sra_epi64(t, _mm_cvtsi32_si128(r)),
+        _mm512_and_si512(_mm512_sll_epi64(before, _mm_cvtsi32_si128(FX_BITS - r)), limb));
+}
+
+/* floor(x 2^-shift), x normalised, |x| < 2^52. */
+INLINE void k_floor_one(vector *x, long shift)
+{
+    const int64_t whole = (int64_t)(*x)[0];
+    const int q = shift < 8 * FX_BITS ? (int)(shift / FX_BITS) : 8, r = (int)(shift % FX_BITS);
+    const __m512i limb = _mm512_set1_epi64(FX_MASK), sign = _mm512_set1_epi64(whole < 0 ? FX_MASK : 0),
+                  all = _mm512_and_si512((__m512i)*x, limb);
+    const __m512i t = words_up(all, q, sign), before = words_up(all, q + 1, sign);
+    const __m512i y =
+        _mm512_or_si512(_mm512_srl_epi64(t, _mm_cvtsi32_si128(r)),
+                        _mm512_and_si512(_mm512_sll_epi64(before, _mm_cvtsi32_si128(FX_BITS - r)), limb));
+    *x = (vector)_mm512_mask_set1_epi64(y, 1, whole >> (shift > 63 ? 63 : shift));
 }
 
 #define FX_KERNEL_NAME "avx512ifma"

@@ -197,6 +197,65 @@ static inline void k_mul_short(int64_t *out, const int64_t *x, int rows, const f
     k_mul(out, x, rows, c);
 }
 
+static inline void k_mul_short_one(vector *out, const vector *x, int rows, const fx_const *c)
+{
+    k_mul((int64_t *)out, (const int64_t *)x, rows, c);
+}
+
+static inline void k_mul_one(vector *out, const int64_t *x, int rows, const fx_const *c)
+{
+    k_mul((int64_t *)out, x, rows, c);
+}
+
+static inline void k_conv_one(int64_t *lanes, int *load, int rows, const uint64_t *a, const uint64_t *b,
+                              size_t stride, int lo, int hi, int sign, bool open, bool close, vector *x)
+{
+    (void)open;
+    k_conv(lanes, load, rows, a, b, stride, lo, hi, sign);
+    if (close)
+        k_reduce_one(x, lanes, rows + 2);
+}
+
+static inline void k_square_one(int64_t *lanes, int *load, int rows, const uint64_t *a, const uint64_t *b,
+                                size_t stride, int lo, int hi, int mid, int sign, bool open, bool close,
+                                vector *x)
+{
+    (void)open;
+    k_square(lanes, load, rows, a, b, stride, lo, hi, mid, sign);
+    if (close)
+        k_reduce_one(x, lanes, rows + 2);
+}
+
+static inline void k_before_one(vector *y, const vector *x)
+{
+    for (int i = 7; i >= 1; i--)
+        (*y)[i] = (*x)[i - 1];
+    (*y)[0] = 0;
+}
+
+static inline void k_after_one(vector *y, const vector *x)
+{
+    for (int i = 0; i < 7; i++)
+        (*y)[i] = (*x)[i + 1];
+    (*y)[7] = 0;
+}
+
+/* x 2^(-52 q - r), what lies above its first limb being zero. */
+static inline void k_down_one(vector *x, int q, int r)
+{
+    int64_t *t = (int64_t *)x;
+    for (int i = 7; i >= 0; i--)
+        t[i] = (i >= q ? t[i - q] >> r : 0) +
+               (i > q ? (int64_t)((uint64_t)t[i - q - 1] << (FX_BITS - r)) & FX_MASK : 0);
+}
+
+/* floor(x 2^-shift), x normalised, |x| < 2^52. */
+static inline void k_floor_one(vector *x, long shift)
+{
+    const vector t = *x;
+    fx_shift((int64_t *)x, (const int64_t *)&t, 7, 7, -shift);
+}
+
 #define FX_KERNEL_NAME "portable"
 #define FX_KERNEL      fx_kernel_portable
 #include "fixed_core.h"

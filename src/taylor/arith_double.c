@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "cns/arith.h"
+#include "calls.h"
 #include "functions.h"
 
 struct cns_arith {
@@ -132,6 +132,13 @@ static void store_next(cns_arith *A, int x, int k, int c)
     *at(A, x, k + 1) = f * A->H / (k + 1);
 }
 
+static bool orders(cns_arith *A, const cns_calls *calls, int from, int to)
+{
+    for (int k = from; k < to; k++)
+        cns_make_calls(&cns_arith_double, A, calls, 0, k);
+    return true;
+}
+
 static void function(cns_arith *A, cns_function f, int w, int w2, int a, int b)
 {
     mpfr_t x, y, z;
@@ -181,7 +188,7 @@ static void function_libm(cns_arith *A, cns_function f, int w, int w2, int a, in
     .create = create, .destroy = destroy, .bytes = bytes, .begin = begin, .get = get, .set = set,            \
     .get_2exp = get_2exp, .zero = zero, .coef = coef, .scaled = scaled, .conv = conv, .square = square,      \
     .store = store, .store_scaled = store_scaled, .store_ratio = store_ratio, .store_over = store_over,      \
-    .store_next = store_next
+    .store_next = store_next, .orders = orders
 
 const cns_arith_ops cns_arith_double = {.name = "double", PRIMITIVES, .function = function};
 const cns_arith_ops cns_arith_libm = {.name = "double (C library)", PRIMITIVES, .function = function_libm};

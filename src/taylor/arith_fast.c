@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "calls.h"
 #include "functions.h"
 #include "num/fixed.h"
 
@@ -123,6 +124,14 @@ void cns_fast_sum(cns_arith *A, mpfr_t y, int a, int n, const mpfr_t tau)
     fx_sum(A->F, y, a, n, tau);
 }
 
+static bool slope(cns_arith *A, mpfr_t y, double *largest_log2, int a, int n, const mpfr_t tau)
+{
+    if (n > FX_MAX_SLOPE)
+        return false;
+    fx_slope(A->F, y, largest_log2, a, n, tau);
+    return true;
+}
+
 /* Block exponents are learnt from the last expansion; one that failed, or with a rather different H, has
  * nothing to teach. */
 static void begin(cns_arith *A, double H)
@@ -160,30 +169,40 @@ static void zero(cns_arith *A)
     A->ops->zero(A->F);
 }
 
-static void coef(cns_arith *A, long weight, int a, int k)
+static void coef_level(cns_arith *A, long weight, int a)
 {
     int bits = 0; /* of |weight|, less one */
     for (long size = weight < 0 ? -weight : weight; size > 1; size >>= 1)
         bits++;
     A->now = most(A->now, A->F->series[a].exp + bits);
+}
+
+static void coef(cns_arith *A, long weight, int a, int k)
+{
+    coef_level(A, weight, a);
     A->ops->coef(A->F, weight, a, k);
+}
+
+static void product_level(cns_arith *A, int a, int b, int more)
+{
+    A->now = most(A->now, A->F->series[a].exp + A->F->series[b].exp + more);
 }
 
 static void scaled(cns_arith *A, int sign, int c, int a, int k)
 {
-    A->now = most(A->now, A->F->series[a].exp + A->F->series[c].exp);
+    product_level(A, a, c, 0);
     A->ops->scaled(A->F, sign, c, a, k);
 }
 
 static void conv(cns_arith *A, int sign, int a, int b, int n, int lo, int hi)
 {
-    A->now = most(A->now, A->F->series[a].exp + A->F->series[b].exp + 2);
+    product_level(A, a, b, 2);
     A->ops->conv(A->F, sign, a, b, n, lo, hi);
 }
 
 static void square(cns_arith *A, int sign, int a, int n, int lo)
 {
-    A->now = most(A->now, 2 * A->F->series[a].exp + 2);
+    product_level(A, a, a, 2);
     A->ops->square(A->F, sign, a, n, lo);
 }
 
@@ -193,10 +212,15 @@ static void store(cns_arith *A, int w, int k)
     settle(A, w, 0);
 }
 
+static void scaled_level(cns_arith *A, int w, int c)
+{
+    settle(A, w, A->F->series[c].exp);
+}
+
 static void store_scaled(cns_arith *A, int w, int k, int c)
 {
     A->ops->store_scaled(A->F, w, k, c);
-    settle(A, w, A->F->series[c].exp);
+    scaled_level(A, w, c);
 }
 
 static void store_ratio(cns_arith *A, int w, int k, long p, long q)
@@ -205,17 +229,90 @@ static void store_ratio(cns_arith *A, int w, int k, long p, long q)
     settle(A, w, 0);
 }
 
+static void over_level(cns_arith *A, int w, int d, int twice)
+{
+    settle(A, w, 1 - A->F->reciprocal[d].divisor_exp - twice);
+}
+
 static void store_over(cns_arith *A, int w, int k, int d, int v, int twice)
 {
     A->ops->store_over(A->F, w, k, d, v, twice);
-    settle(A, w, 1 - A->F->reciprocal[d].divisor_exp - twice);
+    over_level(A, w, d, twice);
+}
+
+static void next_level(cns_arith *A, int x, int c)
+{
+    A->integrated[x] = true;
+    settle(A, x, A->step_bits + (c < 0 ? 0 : A->F->series[c].exp));
 }
 
 static void store_next(cns_arith *A, int x, int k, int c)
 {
-    A->integrated[x] = true;
     A->ops->store_next(A->F, x, k, c);
-    settle(A, x, A->step_bits + (c < 0 ? 0 : A->F->series[c].exp));
+    next_level(A, x, c);
+}
+
+/* The levels that calls before `end` at order k leave: those of lower orders with the same exponents are none
+ * higher. */
+static void call_levels(cns_arith *A, const cns_calls *calls, int end, int k)
+{
+    for (const cns_call *c = calls->call; c < calls->call + end; c++) {
+        const int *x = c->arg;
+        switch (c->kind) {
+        case CNS_CALL_ZERO:
+            A->now = LONG_MIN;
+            break;
+        case CNS_CALL_COEF:
+            coef_level(A, x[0] + (c->grows[0] ? k - calls->order : 0), x[1]);
+            break;
+        case CNS_CALL_SCALED:
+            product_level(A, x[2], x[1], 0);
+            break;
+        case CNS_CALL_CONV:
+            product_level(A, x[1], x[2], 2);
+            break;
+        case CNS_CALL_SQUARE:
+            product_level(A, x[1], x[1], 2);
+            break;
+        case CNS_CALL_STORE:
+        case CNS_CALL_STORE_RATIO:
+            settle(A, x[0], 0);
+            break;
+        case CNS_CALL_STORE_SCALED:
+            scaled_level(A, x[0], x[2]);
+            break;
+        case CNS_CALL_STORE_OVER:
+            over_level(A, x[0], x[2], x[4]);
+            break;
+        case CNS_CALL_STORE_NEXT:
+            next_level(A, x[0], x[2]);
+            break;
+        }
+    }
+}
+
+/* Orders of few rows go by a recipe for as long as the block exponents stay; the sum at which one must
+ * change, and what remains of its order, by the calls themselves. */
+static bool orders(cns_arith *A, const cns_calls *calls, int from, int to)
+{
+    fx *F = A->F;
+    for (int k = from; k < to; k++) {
+        int first = 0;
+        if (!F->singular && F->rows[k] <= FX_ONE_ROWS && fx_work_out(F, calls, k)) {
+            const int begun = k;
+            const fx_step *stuck = A->ops->run(F, &F->recipe, &k, to);
+            if (k > begun)
+                call_levels(A, calls, calls->n, k - 1);
+            if (!stuck)
+                break;
+            first = stuck->group;
+            call_levels(A, calls, first, k);
+        }
+        cns_make_calls(&cns_arith_fast, A, calls, first, k);
+        if (k % 8 == 7 && F->singular)
+            return false;
+    }
+    return true;
 }
 
 static void function(cns_arith *A, cns_function f, int w, int w2, int a, int b)
@@ -269,6 +366,7 @@ const cns_arith_ops cns_arith_fast = {
     .set_precision = cns_fast_set_precision,
     .set_decay = cns_fast_set_decay,
     .sum = cns_fast_sum,
+    .slope = slope,
     .create = create,
     .destroy = destroy,
     .bytes = bytes,
@@ -286,5 +384,6 @@ const cns_arith_ops cns_arith_fast = {
     .store_ratio = store_ratio,
     .store_over = store_over,
     .store_next = store_next,
+    .orders = orders,
     .function = function,
 };

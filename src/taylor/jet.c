@@ -5,10 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "calls.h"
 #include "jet_inside.h"
 
 /* Room beyond the order asked for, where leading zeros let products run ahead of the states. */
 enum { LOOKAHEAD = 4 };
+
+/* From this order on every recurrence makes the same calls, with indices one higher at every order: a root's
+ * square is the last to begin, at 2. */
+enum { FIRST_REPEATED = 3 };
 
 static void number_value(mpfr_t y, const cns_program *p, const cns_tape_node *n)
 {
@@ -105,8 +110,11 @@ cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err)
     J->state_known = calloc((size_t)p->n_states + 1, sizeof *J->state_known);
     J->val = calloc(n, sizeof *J->val);
     J->known = calloc(n, sizeof *J->known);
+    J->notes = cns_notes_new();
+    J->noted_for = calloc(3 * n + (size_t)p->n_states, sizeof *J->noted_for);
     if (!J->series || !J->plan || !J->state_series || !J->sign || !J->held || !J->vanishes ||
-        !J->constant_zero || !J->at_zero || !J->state_vanishes || !J->state_known || !J->val || !J->known) {
+        !J->constant_zero || !J->at_zero || !J->state_vanishes || !J->state_known || !J->val || !J->known ||
+        !J->notes || !J->noted_for) {
         cns_fail(err, CNS_NUMERIC, "out of memory");
         cns_jet_free(J);
         return NULL;
@@ -156,6 +164,8 @@ void cns_jet_free(cns_jet *J)
     free(J->state_known);
     free(J->val);
     free(J->known);
+    cns_notes_free(J->notes);
+    free(J->noted_for);
     free(J);
 }
 
@@ -248,19 +258,70 @@ static void next_state(cns_jet *J, int i, int k)
     J->ops->store_next(J->A, J->state_series[i], k, factor < 0 ? -1 : J->series[factor]);
 }
 
+static cns_code compose_order(cns_jet *J, int k, cns_error *err)
+{
+    for (int i = 0; i < J->n_plan; i++) {
+        int v = J->plan[i];
+        cns_code code = J->vanishes[v] ? CNS_OK : cns_op_recurrence[J->p->node[v].op](J, v, k, err);
+        if (code)
+            return code;
+    }
+    return CNS_OK;
+}
+
+static cns_code next_order(cns_jet *J, int k, cns_error *err)
+{
+    cns_code code = compose_order(J, k, err);
+    for (int i = 0; i < J->p->n_states && !code; i++)
+        next_state(J, i, k);
+    return code;
+}
+
+/* Are the notes of the orders still true? Keeps what they depend on. */
+static bool noted_still(cns_jet *J)
+{
+    const size_t nodes = (size_t)J->p->n_nodes, states = (size_t)J->p->n_states;
+    const void *const now[] = {J->sign, J->held, J->vanishes, J->state_vanishes};
+    const size_t size[] = {nodes, nodes, nodes, states};
+    signed char *then = J->noted_for;
+    bool same = true;
+    for (int i = 0; i < 4; then += size[i++]) {
+        same = same && !memcmp(then, now[i], size[i]);
+        memcpy(then, now[i], size[i]);
+    }
+    return same;
+}
+
+/* Notes what orders k and k + 1 do, by the recurrences themselves. False: they look at values still, as the
+ * sign of an abs() that is not decided. */
+static bool note_orders(cns_jet *J, int k)
+{
+    cns_error ignored;
+    if (noted_still(J) && J->noted)
+        return true;
+    cns_arith *const A = J->A;
+    const cns_arith_ops *const ops = J->ops;
+    J->A = J->notes;
+    J->ops = &cns_arith_notes;
+    cns_notes_clear(J->notes);
+    J->noted = !next_order(J, k, &ignored) && !next_order(J, k + 1, &ignored) &&
+               cns_notes_agree(J->notes, k, &J->calls);
+    J->A = A;
+    J->ops = ops;
+    return J->noted;
+}
+
 static cns_code expand_regular(cns_jet *J, int order, cns_error *err)
 {
     for (int k = 0; k < order; k++) {
-        for (int i = 0; i < J->n_plan; i++) {
-            int v = J->plan[i];
-            if (J->vanishes[v])
-                continue;
-            cns_code code = cns_op_recurrence[J->p->node[v].op](J, v, k, err);
-            if (code)
-                return code;
+        if (J->ops->orders && k >= FIRST_REPEATED && note_orders(J, k)) {
+            if (!J->ops->orders(J->A, &J->calls, k, order))
+                return cns_fail(err, CNS_NUMERIC, "the coefficients are out of range");
+            break;
         }
-        for (int i = 0; i < J->p->n_states; i++)
-            next_state(J, i, k);
+        cns_code code = next_order(J, k, err);
+        if (code)
+            return code;
         if (k % 8 == 7 && J->ops->in_steps && J->ops->noise_log2(J->A) == HUGE_VAL)
             return cns_fail(err, CNS_NUMERIC, "the coefficients are out of range");
     }
@@ -469,17 +530,6 @@ cns_code cns_jet_expand(cns_jet *J, int order, cns_error *err)
 void cns_jet_set_coefficient(cns_jet *J, int state, int k, const mpfr_t x)
 {
     J->ops->set(J->A, J->state_series[state], k, x, false);
-}
-
-static cns_code compose_order(cns_jet *J, int k, cns_error *err)
-{
-    for (int i = 0; i < J->n_plan; i++) {
-        int v = J->plan[i];
-        cns_code code = J->vanishes[v] ? CNS_OK : cns_op_recurrence[J->p->node[v].op](J, v, k, err);
-        if (code)
-            return code;
-    }
-    return CNS_OK;
 }
 
 /* Marks the kinks that the point lies on, and says whether there are any. */

@@ -1,0 +1,276 @@
+/* Recipes: what the calls of an order come to, for the block exponents as they are. The arithmetic of calls
+ * one by one (fixed_core.h) is followed without its numbers; what it decides by exponents and loads is
+ * decided here once, and what it decides by values is a reason to go back to it. */
+#include <stdlib.h>
+
+#include "fixed.h"
+
+/* Corrections of one set of lanes, two for each product: their load stays below 800 (fixed_core.h). */
+enum { MOST_PARTS = 10 };
+
+typedef struct state {
+    fx *F;
+    int group;
+    bool empty, normal; /* the accumulator; exponents leave out what all numbers of order k share */
+    int load;
+    long exp;
+    fx_step product[MOST_PARTS]; /* products that share their lanes: made when they are added */
+    int products, parts;
+    long lanes_exp;
+} state;
+
+static bool append(fx *F, const fx_step *step)
+{
+    fx_recipe *R = &F->recipe;
+    if (R->n == R->capacity) {
+        const int capacity = 2 * R->capacity + 64;
+        fx_step *grown = realloc(R->step, (size_t)capacity * sizeof *grown);
+        if (grown == NULL)
+            return false;
+        R->step = grown;
+        R->capacity = capacity;
+    }
+    R->step[R->n++] = *step;
+    return true;
+}
+
+/* Adds a number of 2^exp, as add() of fixed_core.h does. */
+static bool add(state *s, fx_step step, long exp)
+{
+    step.group = s->group;
+    const long shift = exp - s->exp;
+    if (s->empty) {
+        step.fresh = true;
+        s->empty = false;
+        s->load = 1;
+        s->exp = exp;
+        s->normal = step.flip == 0;
+        return append(s->F, &step);
+    }
+    if (shift >= 0 && shift <= 7) {
+        step.carry = s->load + (1 << shift) > FX_MAX_LOAD;
+        step.up_x = (int)shift;
+        s->load = (step.carry ? 1 : s->load) + (1 << shift);
+    } else if (shift < 0 && shift >= -7) {
+        step.carry = (s->load << -shift) + 1 > FX_MAX_LOAD;
+        step.up = (int)-shift;
+        s->load = ((step.carry ? 1 : s->load) << -shift) + 1;
+        s->exp = exp;
+    } else if (shift < 0) {
+        step.down_x = -shift;
+        step.carry = s->load + 1 > FX_MAX_LOAD;
+        s->load = (step.carry ? 1 : s->load) + 1;
+    } else {
+        step.carry = !s->normal;
+        step.down = shift;
+        s->load = 2;
+        s->exp = exp;
+    }
+    s->normal = false;
+    return append(s->F, &step);
+}
+
+static bool flush(state *s)
+{
+    const int n = s->products;
+    s->products = s->parts = 0;
+    for (int i = 0; i < n; i++) {
+        fx_step *step = &s->product[i];
+        step->open = i == 0;
+        step->close = i == n - 1;
+        step->group = s->group;
+        if (step->close ? !add(s, *step, s->lanes_exp) : !append(s->F, step))
+            return false;
+    }
+    return true;
+}
+
+static bool into_lanes(state *s, fx_step step, long exp, int parts)
+{
+    if (s->products > 0 && s->lanes_exp != exp && !flush(s))
+        return false;
+    s->parts += parts;
+    if (s->parts > MOST_PARTS)
+        return false;
+    s->product[s->products++] = step;
+    s->lanes_exp = exp;
+    return true;
+}
+
+/* Does argument j say k + 0, or is it the same at every order? */
+static bool is_k(const cns_calls *calls, const cns_call *c, int j)
+{
+    return c->grows[j] && c->arg[j] == calls->order;
+}
+
+static bool fixed(const cns_call *c, int j)
+{
+    return !c->grows[j];
+}
+
+static uint64_t flip(int sign)
+{
+    return sign < 0 ? ~UINT64_C(0) : 0;
+}
+
+static bool coef(state *s, const cns_calls *calls, const cns_call *c, int k)
+{
+    const int a = c->arg[1];
+    const fx_series *x = &s->F->series[a];
+    const bool sign = fixed(c, 0) && (c->arg[0] == 1 || c->arg[0] == -1);
+    if (!is_k(calls, c, 2) || !x->live || s->F->will_store[a] <= k)
+        return false;
+    if (sign)
+        return add(s, (fx_step){.kind = FX_DO_COEF, .flip = flip(c->arg[0]), .a = x}, x->exp + 1);
+    /* other weights: positive ones that grow, as a derivative's, when they come first */
+    if (!s->empty || s->products > 0 || c->arg[0] < 1 || s->F->order + 1 + c->arg[0] > FX_LANE_LOAD)
+        return false;
+    return add(s,
+               (fx_step){.kind = FX_DO_COEF,
+                         .weight = c->arg[0],
+                         .weight_grows = c->grows[0],
+                         .order = calls->order,
+                         .a = x},
+               x->exp + 1);
+}
+
+static bool scaled(state *s, const cns_calls *calls, const cns_call *call, int k)
+{
+    const int c = call->arg[1], a = call->arg[2];
+    fx *F = s->F;
+    const fx_series *x = &F->series[a];
+    if (!F->constant[c].valid)
+        fx_prepare_constant(F, c);
+    const fx_const *m = &F->constant[c];
+    if (!is_k(calls, call, 3) || !x->live || F->will_store[a] <= k || m->sign == 0)
+        return false;
+    return add(s, (fx_step){.kind = FX_DO_SCALED, .flip = flip(call->arg[0]), .a = x, .c = m},
+               x->exp + 1 + m->exp);
+}
+
+static bool conv(state *s, const cns_calls *calls, const cns_call *c, int k)
+{
+    fx *F = s->F;
+    int a = c->arg[1], b = c->arg[2], lo = c->arg[4], above = c->arg[3] - c->arg[5];
+    if (!is_k(calls, c, 3) || !fixed(c, 4) || !c->grows[5] || lo < 0 || above < 0 || k - above < lo)
+        return false;
+    const fx_series *x = &F->series[a], *y = &F->series[b];
+    if (!x->live || !y->live || F->will_store[a] <= k - above || F->will_store[b] <= k - lo)
+        return false;
+    const int forwards = FX_FWD | FX_SUMS, backwards = FX_REV | FX_SUMS;
+    if (((x->parts & forwards) != forwards || (y->parts & backwards) != backwards) && fx_orient(F, a, b)) {
+        const fx_series *const swap = x;
+        const int swap_lo = lo;
+        x = y;
+        y = swap;
+        lo = above;
+        above = swap_lo;
+    }
+    return into_lanes(
+        s, (fx_step){.kind = FX_DO_CONV, .sign = c->arg[0], .a = x, .b = y, .lo = lo, .above = above},
+        x->exp + y->exp + 1, 2);
+}
+
+static bool square(state *s, const cns_calls *calls, const cns_call *c, int k)
+{
+    fx *F = s->F;
+    const int a = c->arg[1], lo = c->arg[3], all = FX_FWD | FX_REV | FX_SUMS;
+    const fx_series *x = &F->series[a];
+    if (!is_k(calls, c, 2) || !fixed(c, 3) || lo < 0 || lo > k - lo || !x->live || F->will_store[a] <= k - lo)
+        return false;
+    if ((x->parts & all) != all)
+        fx_want(F, a, all);
+    return into_lanes(s, (fx_step){.kind = FX_DO_SQUARE, .sign = c->arg[0], .a = x, .lo = lo}, 2 * x->exp + 1,
+                      1);
+}
+
+static bool store(state *s, const cns_calls *calls, const cns_call *c, int k)
+{
+    fx *F = s->F;
+    const int w = c->arg[0];
+    if (!flush(s) || !is_k(calls, c, 1))
+        return false;
+    fx_step step = {.kind = FX_DO_STORE,
+                    .group = s->group,
+                    .w = &F->series[w],
+                    .carry = !s->empty && !s->normal,
+                    .empty = s->empty};
+    switch (c->kind) {
+    case CNS_CALL_STORE_SCALED:
+        if (!F->constant[c->arg[2]].valid)
+            fx_prepare_constant(F, c->arg[2]);
+        step.times = FX_TIMES_CONST;
+        step.c = &F->constant[c->arg[2]];
+        break;
+    case CNS_CALL_STORE_OVER:
+        if (!fixed(c, 3) || !F->reciprocal[c->arg[2]].valid || F->reciprocal[c->arg[2]].index != c->arg[3])
+            return false;
+        step.times = FX_TIMES_CONST;
+        step.c = &F->reciprocal[c->arg[2]];
+        s->exp -= c->arg[4] != 0;
+        break;
+    case CNS_CALL_STORE_RATIO:
+        if (c->arg[2] != 1 || !fixed(c, 2) || !is_k(calls, c, 3))
+            return false;
+        step.times = FX_TIMES_INVERSE;
+        break;
+    case CNS_CALL_STORE_NEXT: {
+        const int slot = c->arg[2] < 0 ? F->n_series : c->arg[2];
+        if (!F->step_const[slot].valid)
+            fx_prepare_step(F, c->arg[2]);
+        step.times = FX_TIMES_NEXT;
+        step.c = &F->step_const[slot];
+        step.made = &F->next_const[slot];
+        step.next = 1;
+        break;
+    }
+    default:
+        break;
+    }
+    if (F->will_store[w] != k + step.next)
+        return false;
+    if (!step.empty && (!step.w->live || (step.c != NULL && step.c->sign == 0)))
+        return false;
+    F->will_store[w]++;
+    step.exp = s->exp - (step.w->exp + 1) + step.next * F->decay;
+    if (step.times == FX_TIMES_CONST)
+        step.exp += step.c->exp;
+    return append(F, &step);
+}
+
+bool fx_work_out(fx *F, const cns_calls *calls, int k)
+{
+    state s;
+    s.F = F;
+    F->recipe.n = 0;
+    for (int a = 0; a < F->n_series; a++)
+        F->will_store[a] = F->series[a].stored;
+    for (int i = 0; i < calls->n; i++) {
+        const cns_call *c = &calls->call[i];
+        bool good = true;
+        switch (c->kind) {
+        case CNS_CALL_ZERO:
+            s.group = i;
+            s.empty = true;
+            s.products = s.parts = 0;
+            break;
+        case CNS_CALL_COEF:
+            good = coef(&s, calls, c, k);
+            break;
+        case CNS_CALL_SCALED:
+            good = scaled(&s, calls, c, k);
+            break;
+        case CNS_CALL_CONV:
+            good = conv(&s, calls, c, k);
+            break;
+        case CNS_CALL_SQUARE:
+            good = square(&s, calls, c, k);
+            break;
+        default:
+            good = store(&s, calls, c, k);
+        }
+        if (!good)
+            return false;
+    }
+    return true;
+}
