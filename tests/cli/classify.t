@@ -41,6 +41,30 @@ $ cns classify -q --yaml "$CASES"/case4.yaml | grep -e '^mode' -e '^lambda:'
 > mode: chaotic
 > re:^lambda: 0\.1[234]
 
+= chaos that ends is not chaos: below R = 24.06 Lorenz's equations settle, after long chaotic transients
+$ cat > a.yaml; cns classify -q --sweep R=22.5:22.5:1 a.yaml > t; grep -v '^#' t | cut -d, -f1,2,13
+$ grep -v '^#' t | tr -cd ',\n' | uniq | wc -l
+| model: lorenz
+| initial: {x: 3, y: 0, z: 20}
+| time: {end: 1}
+| goal: {decimals: 10}
+> R,mode,note
+> re:^22.5,(steady|undecided),
+> 1
+
+= a long stay near a saddle is no steady motion; one on its stable manifold for ever is
+$ cat > a.yaml; cns classify -q a.yaml | head -n 1; cns classify -q --set initial.x=0 a.yaml | head -n 1
+$ cns classify -q "$CASES"/case1.yaml | head -n 1
+$ cns classify -q "$CASES"/case1.yaml --set initial.theta=1e-1000 | head -n 1
+| model: lorenz
+| initial: {x: 1e-5000, y: 0, z: 1}
+| time: {end: 1}
+| goal: {decimals: 10}
+> re:^mode        undecided   .*does not attract
+> mode        steady
+> mode        steady
+> re:^mode        undecided
+
 = undecided is status 1
 $ cns classify -q --until 20 "$CASES"/flutter.yaml
 > re:^mode        undecided   .*up to t = 20
