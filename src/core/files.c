@@ -42,6 +42,12 @@ cns_code cns_file_replace(const char *path, const char *text, cns_error *err)
     char *aside = cns_xalloc(size, 1);
     snprintf(aside, size, "%s.XXXXXX", path);
     int fd = mkstemp(aside);
+    mode_t mask;
+#pragma omp critical(umask) /* there is one for all threads, and reading it changes it */
+    {
+        mask = umask(0);
+        umask(mask);
+    }
     FILE *out = fd < 0 ? NULL : fdopen(fd, "wb");
     cns_code code = CNS_OK;
     if (out == NULL) {
@@ -49,6 +55,7 @@ cns_code cns_file_replace(const char *path, const char *text, cns_error *err)
         if (fd >= 0)
             close(fd);
     } else {
+        fchmod(fd, 0666 & ~mask); /* mkstemp is for secrets; this has the mode of any new file */
         errno = 0;
         bool good = fputs(text, out) >= 0 && fflush(out) == 0 && fsync(fd) == 0;
         const int cause = errno;

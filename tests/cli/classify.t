@@ -127,6 +127,19 @@ $ grep -c UNPROVEN p || true; grep '^theta' e | cut -d, -f1,3; grep '^theta' p |
 > re:^theta=1\*pi,3\.70660244594701[0-9]{5}$
 > re:^theta=1\*pi,3\.70660244594701[0-9]*,1[0-9]$
 
+= events can be read by those who can read the table
+$ umask 027; cns run -q "$CASES"/flutter.yaml --set time.end=1 --events e -o t; stat -c %a e t
+> 640
+> 640
+
+= events where the disk passes the singularity of rest at a distance of 1e-33
+$ cat > a.yaml; cns run -q a.yaml --events e -o t; tail -n 1 e
+| model: apw
+| initial: {theta: 1e-30, Vy: 0.01}
+| time: {end: 2, every: 1}
+| goal: {decimals: 40}
+> # complete
+
 = sections that are none
 $ for s in Vy Vy=x foo=1 'theta=0 mod 0'; do cns run -q "$CASES"/flutter.yaml --events e --section "$s" -o t || echo $?; done; ls
 $ cns run -q "$CASES"/flutter.yaml --section Vy=0 || echo $?
