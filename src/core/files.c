@@ -48,10 +48,14 @@ FILE *cns_file_create(const char *path, char **aside)
     *aside = cns_xalloc(size, 1);
     snprintf(*aside, size, "%s.XXXXXX", path);
     const int fd = mkstemp(*aside);
-    const mode_t mask = umask(0); /* mkstemp is for secrets; this has the mode of any new file */
-    umask(mask);
+    mode_t mask;
+#pragma omp critical(umask) /* there is one for all threads, and reading it changes it */
+    {
+        mask = umask(0);
+        umask(mask);
+    }
     if (fd >= 0)
-        fchmod(fd, 0666 & ~mask);
+        fchmod(fd, 0666 & ~mask); /* mkstemp is for secrets; this has the mode of any new file */
     FILE *f = fd >= 0 ? fdopen(fd, "w") : NULL;
     if (f == NULL) {
         const int cause = errno;

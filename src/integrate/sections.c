@@ -162,12 +162,26 @@ static void shift(mpfr_t *p, int degree, const mpfr_t r, mpfr_t scratch)
 }
 
 /* Half the width of the range of p beyond its first coefficient on (0, end]. */
-static double reach(mpfr_t *p, int degree, double end)
+static double reach(mpfr_t *p, int degree, const mpfr_t end)
 {
+    const double e = mpfr_get_d(end, MPFR_RNDU);
     double sum = 0;
     for (int k = degree; k >= 1; k--)
-        sum = (sum + fabs(mpfr_get_d(p[k], MPFR_RNDA))) * end;
-    return sum * (1 + 1e-9);
+        sum = (sum + fabs(mpfr_get_d(p[k], MPFR_RNDA))) * e;
+    if (isfinite(sum))
+        return sum * (1 + 1e-9);
+    /* Beside a singularity steps are so short that coefficients leave the range of double. */
+    mpfr_t s, c;
+    mpfr_inits2(53, s, c, (mpfr_ptr)0);
+    mpfr_set_zero(s, 1);
+    for (int k = degree; k >= 1; k--) {
+        mpfr_abs(c, p[k], MPFR_RNDU);
+        mpfr_add(s, s, c, MPFR_RNDU);
+        mpfr_mul(s, s, end, MPFR_RNDU);
+    }
+    sum = mpfr_get_d(s, MPFR_RNDU);
+    mpfr_clears(s, c, (mpfr_ptr)0);
+    return sum;
 }
 
 /* All sign changes of q in (0, s->end], in order, into s->found; q is used up. A factor of u is taken out
@@ -400,8 +414,7 @@ cns_code cns_sections_follow(cns_sections *s, cns_flow *f, cns_error *err)
         mpfr_set_d(s->tolerance, cns_flow_noise_log2(f) + noise_factor_log2, MPFR_RNDU);
         mpfr_exp2(s->tolerance, s->tolerance, MPFR_RNDU);
         mpfr_mul_d(s->tolerance, s->tolerance, s->scales[sec->state], MPFR_RNDU);
-        const double span =
-            reach(s->p, degree, mpfr_get_d(s->end, MPFR_RNDU)) + mpfr_get_d(s->tolerance, MPFR_RNDU);
+        const double span = reach(s->p, degree, s->end) + mpfr_get_d(s->tolerance, MPFR_RNDU);
         if (sec->kind == CNS_SECTION_EXTREMUM) {
             code = meet_extremum(s, f, i, degree, err);
         } else if (sec->kind == CNS_SECTION_PERIODS) {

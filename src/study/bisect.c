@@ -47,7 +47,7 @@ static cns_mode mode_of(const cns_system *S, const cns_late *late)
 {
     switch (late->kind) {
     case CNS_LATE_STEADY:
-        return CNS_MODE_STEADY;
+        return cns_late_attracts(S, late) ? CNS_MODE_STEADY : CNS_MODE_UNDECIDED;
     case CNS_LATE_CHAOS:
         return CNS_MODE_CHAOTIC;
     case CNS_LATE_CYCLE:
@@ -86,6 +86,7 @@ static cns_code run(void *context, int i, cns_ensemble_job *job, char **result, 
     cns_system S;
     cns_mode mode = CNS_MODE_UNDECIDED;
     long digits = p->digits;
+    bool looked = false;
     (void)i;
     (void)job;
     study.parameters = f->parameters;
@@ -93,7 +94,15 @@ static cns_code run(void *context, int i, cns_ensemble_job *job, char **result, 
     cns_code code = cns_system_open(&S, &study, -1, 0, err);
     while (!code && digits <= MAX_DIGITS) {
         cns_late late;
-        code = cns_late_find(&S, digits, &late, err);
+        code = cns_late_find(&S, digits, 0, &late, err);
+        if (!code && late.looks_chaotic && !late.trusted && !looked) { /* for ever? No digits last so long */
+            const double noise_log2 = late.noise_log2;
+            cns_late_clear(&late);
+            code = cns_late_find(&S, 0, 0, &late, err);
+            late.noise_log2 = noise_log2;
+            late.trusted = false;
+            looked = true;
+        }
         const bool decided = late.trusted || late.kind == CNS_LATE_CHAOS;
         const double grown = (late.noise_log2 + (double)cns_study_bits(digits)) * CNS_LOG10_2;
         if (!code && decided)

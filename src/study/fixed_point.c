@@ -330,3 +330,27 @@ bool cns_fixed_point_is_real(const cns_fixed_point *f, int k)
     acb_clear(mirror);
     return real;
 }
+
+bool cns_fixed_point_attracts(const cns_fixed_point *f, const bool *in_states)
+{
+    const slong prec = 128;
+    cns_fixed_point block;
+    cns_error ignored;
+    int d = 0, row = 0;
+    for (int i = 0; i < f->d; i++)
+        d += in_states[i];
+    cns_fixed_point_init(&block, d);
+    for (int i = 0; i < f->d; i++) {
+        if (!in_states[i])
+            continue;
+        for (int j = 0, column = 0; j < f->d; j++)
+            if (in_states[j])
+                arb_set(arb_mat_entry(block.jacobian, row, column++), arb_mat_entry(f->jacobian, i, j));
+        row++;
+    }
+    bool attracts = d == 0 || !spectrum(&block, prec, &ignored);
+    for (int i = 0; i < d && attracts; i++)
+        attracts = arb_is_negative(acb_realref(block.lambda + i)) != 0;
+    cns_fixed_point_clear(&block);
+    return attracts;
+}

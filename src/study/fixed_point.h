@@ -40,4 +40,8 @@ cns_code cns_fixed_point_find(const cns_reduced *r, const double *guess, slong p
  * in a ball whose mirror image meets no other ball is its own conjugate. */
 bool cns_fixed_point_is_real(const cns_fixed_point *f, int k);
 
+/* Do all small deviations in these states alone (d flags) die out, the others being held? The eigenvalues of
+ * that block of the Jacobian are certain to have negative real parts. */
+bool cns_fixed_point_attracts(const cns_fixed_point *f, const bool *in_states);
+
 #endif

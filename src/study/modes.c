@@ -17,7 +17,8 @@ enum {
     PRINTED = 10,       /* decimals, at most */
     SAFETY_LOG2 = 4,    /* by which the difference of two runs is enlarged */
     JOINT_LOG2 = -30,   /* of a period: so near to its end is at its end */
-    ROUNDS = 8
+    ROUNDS = 12,
+    CYCLE_LEAST_BITS = 60 /* of a cycle's state after one repetition */
 };
 
 static const double same_log2 = -18; /* reduced returns of two runs this near belong to the same cycle */
@@ -304,14 +305,22 @@ static cns_code reduce_cycle(const cns_system *S, long digits, cns_cycle *c, cns
 }
 
 /* The cycle near a late motion, in two precisions; the motion's mode stays undecided where there is none or
- * where it does not attract. */
-static cns_code settle_cycle(const cns_system *S, const cns_late *late, long digits, cns_motion *motion,
-                             cns_error *err)
+ * where it does not attract, or where these digits are too few. */
+static cns_code settle_cycle(const cns_system *S, const cns_late *late, long digits, bool *short_of_digits,
+                             cns_motion *motion, cns_error *err)
 {
     cns_cycle coarse = {0}, fine = {0};
     const mpfr_t *z = (const mpfr_t *)late->z;
     const long coarse_digits = digits > 0 ? digits : SECOND_DIGITS, fine_digits = coarse_digits + MORE_DIGITS;
     cns_code code = cns_cycle_find(S, z, late->returns, late->direction, coarse_digits, &coarse, err);
+    /* What grows within one repetition, as near a saddle, takes digits of its own. */
+    *short_of_digits =
+        code == CNS_NUMERIC ||
+        (!code && coarse.growth_log2 > (double)cns_study_bits(coarse_digits) - CYCLE_LEAST_BITS);
+    if (*short_of_digits) {
+        cns_cycle_clear(&coarse);
+        return CNS_OK;
+    }
     if (!code)
         code = reduce_cycle(S, coarse_digits, &coarse, err);
     if (!code)
@@ -349,10 +358,12 @@ static bool same(const cns_system *S, const cns_late *a, const cns_late *b)
     return least < exp2(same_log2);
 }
 
-/* Digits for the next run: enough for the noise that this one has seen grow. */
-static long more_digits(long digits, const cns_late *late)
+/* Digits for the next run: enough for the noise that this one has seen grow, were it as long as the horizon.
+ */
+static long more_digits(long digits, const cns_late *late, double horizon)
 {
-    const double base = -(double)cns_study_bits(digits), grown = (late->noise_log2 - base) * CNS_LOG10_2;
+    const double base = -(double)cns_study_bits(digits);
+    const double grown = (late->noise_log2 - base) * CNS_LOG10_2 * fmax(1, horizon / late->time);
     const long needed = (long)fmin(grown, 1e6) + 12;
     const long least = digits == 0 ? SECOND_DIGITS : digits + MORE_DIGITS;
     return needed > least ? needed : least;
@@ -370,20 +381,31 @@ static void state_chaos(const cns_late *late, cns_motion *motion)
     }
 }
 
+/* How long a run with digits has to last: longer than it took others to settle; and longer than the last one
+ * did, if that was trusted so long. */
+static double next_horizon(double horizon, const cns_late *late)
+{
+    if (late->kind == CNS_LATE_OPEN && late->trusted_time > 0.9 * horizon)
+        return 2 * late->time;
+    return fmax(horizon, 1.5 * late->time);
+}
+
 cns_code cns_classify(const cns_study *s, const cns_classify_spec *spec, cns_motion *motion, cns_error *err)
 {
     cns_system S;
     cns_late last = {0}, late = {0};
     long digits = 0;
+    double horizon = 0;
     bool have_last = false, done = false;
     *motion = (cns_motion){.lambda_se = -1};
     cns_code code = cns_system_open(&S, s, spec->observable, spec->until, err);
     for (int round = 0; round < ROUNDS && !code && !done; round++) {
         char what[96];
+        bool short_of_digits = false;
         snprintf(what, sizeof what,
                  digits > 0 ? "following the motion with %ld digits" : "following the motion", digits);
         cns_study_progress(s, (double)round / (round + 2.0), what);
-        code = cns_late_find(&S, digits, &late, err);
+        code = cns_late_find(&S, digits, horizon, &late, err);
         if (code)
             break;
         motion->digits = digits;
@@ -391,28 +413,33 @@ cns_code cns_classify(const cns_study *s, const cns_classify_spec *spec, cns_mot
         motion->lambda_se = late.lambda_se;
         motion->transient = late.transient;
         motion->time = late.time;
-        if (late.kind == CNS_LATE_CHAOS) {
+        done = true;
+        if (late.kind == CNS_LATE_CHAOS && (digits == 0 || late.trusted)) {
             state_chaos(&late, motion);
-            done = true;
-        } else if (have_last && same(&S, &last, &late) && (late.trusted || late.kind == CNS_LATE_STEADY)) {
-            if (late.kind == CNS_LATE_STEADY)
+        } else if (late.kind == CNS_LATE_STEADY && have_last && same(&S, &last, &late)) {
+            if (cns_late_attracts(&S, &late))
                 motion->mode = CNS_MODE_STEADY;
             else
-                code = settle_cycle(&S, &late, digits, motion, err);
-            done = true;
+                snprintf(motion->note, sizeof motion->note,
+                         "the motion comes to rest at a state that does not attract it");
+        } else if (late.kind == CNS_LATE_CYCLE && late.trusted && have_last && same(&S, &last, &late)) {
+            code = settle_cycle(&S, &late, digits, &short_of_digits, motion, err);
+            done = !short_of_digits;
         } else if (late.kind == CNS_LATE_OPEN && late.trusted) {
             snprintf(motion->note, sizeof motion->note,
                      "neither a repetition nor a positive exponent up to t = %.6g", late.time);
-            done = true;
         } else {
-            const long next = more_digits(digits, &late);
-            if (next > spec->max_digits) {
+            done = false;
+        }
+        if (!done && !code) {
+            horizon = next_horizon(horizon, &late);
+            digits = more_digits(digits, &late, horizon);
+            if (digits > spec->max_digits) {
                 snprintf(motion->note, sizeof motion->note,
                          "to follow this trajectory into its late motion takes %ld digits, more than %ld",
-                         next, spec->max_digits);
+                         digits, spec->max_digits);
                 done = true;
             }
-            digits = next;
         }
         cns_late_clear(&last);
         last = late;

@@ -7,6 +7,7 @@
 #include "cns/growth.h"
 #include "cns/tangent.h"
 #include "core/memory.h"
+#include "fixed_point.h"
 #include "num/logs.h"
 
 enum {
@@ -19,6 +20,8 @@ enum {
     MOST_BATCHES = 512,
     GROUPS = 16 /* batch means, for the exponent's error */
 };
+
+#define LOG2_E 1.4426950408889634074 /* log2 e */
 
 static const double calm_log2 = -36;     /* rates of change, in scales, that are hardly any */
 static const double repeat_log2 = -24;   /* returns this near to earlier ones repeat them */
@@ -210,6 +213,8 @@ typedef struct follower {
     long room;
     int calm;
     double fastest;             /* rate of change, log2, the most since the last return */
+    bool chaos;                 /* growth is surely exponential */
+    double growing_until;       /* growth is no longer followed from this time on; < 0: it is */
     double batch[MOST_BATCHES]; /* log10 of growth at their ends */
     double batch_time[MOST_BATCHES];
     int batches;
@@ -233,7 +238,8 @@ static cns_code open_follower(follower *F, const cns_system *S, long digits, cns
 {
     const cns_flow_spec spec = cns_study_flow(S->study, S->program, S->study->scales, digits);
     cns_section both[2];
-    *F = (follower){.S = S, .late = late, .fastest = -HUGE_VAL, .batch_steps = BATCH_STEPS};
+    *F = (follower){
+        .S = S, .late = late, .fastest = -HUGE_VAL, .growing_until = -1, .batch_steps = BATCH_STEPS};
     F->next_batch = BATCH_STEPS;
     mpq_init(F->time);
     mpfr_init2(F->x, spec.prec);
@@ -310,6 +316,22 @@ static void remember(follower *F, const cns_meeting *m)
     F->count++;
 }
 
+/* The state in which it rests. */
+static void settle(follower *F)
+{
+    const cns_system *S = F->S;
+    cns_late *late = F->late;
+    late->kind = CNS_LATE_STEADY;
+    late->rest = cns_xalloc((size_t)S->d, sizeof *late->rest);
+    late->moves = cns_xalloc((size_t)S->d, sizeof *late->moves);
+    for (int k = 0; k < S->d; k++) {
+        const mpfr_t *x = &cns_flow_state(F->flow)[S->index[k]];
+        late->rest[k] = mpfr_get_d(*x, MPFR_RNDN);
+        cns_number_get_mpfr(F->x, &S->study->initial[S->index[k]]);
+        late->moves[k] = !mpfr_equal_p(F->x, *x);
+    }
+}
+
 /* The transient ends with the first return that is near the one of the late cycle that it will become. */
 static void measure_transient(follower *F, int n)
 {
@@ -381,8 +403,8 @@ static void exponent(follower *F, int from, int to)
     late->lambda_se = sqrt(squares / (GROUPS - 1) / GROUPS);
 }
 
-/* Notes the growth at the end of a batch; true when it is surely exponential. */
-static cns_code end_batch(follower *F, bool *chaos, cns_error *err)
+/* Notes the growth at the end of a batch. */
+static cns_code end_batch(follower *F, cns_error *err)
 {
     double noise;
     mpfr_get_q(F->time, cns_flow_end(F->flow));
@@ -403,7 +425,7 @@ static cns_code end_batch(follower *F, bool *chaos, cns_error *err)
     const int half = F->batches / 2;
     exponent(F, half, F->batches);
     const double span = F->batch_time[F->batches - 1] - F->batch_time[half];
-    *chaos =
+    F->chaos =
         F->late->lambda_se >= 0 && F->late->lambda > sure * F->late->lambda_se && F->late->lambda * span > 20;
     return code;
 }
@@ -423,11 +445,15 @@ static cns_code at_meetings(follower *F, bool *over, cns_error *err)
         }
         if (!cns_system_counts(F->S, m, 0))
             continue;
-        mpfr_get_q(F->time, m->time);
-        code = cns_growth_at(F->growth, F->time, &growth, &noise, err);
-        if (code)
-            break;
-        late->noise_log2 = fmax(late->noise_log2, noise);
+        if (F->growing_until < 0) {
+            mpfr_get_q(F->time, m->time);
+            code = cns_growth_at(F->growth, F->time, &growth, &noise, err);
+            if (code)
+                break;
+            late->noise_log2 = fmax(late->noise_log2, noise);
+            if (late->noise_log2 < distrust_log2)
+                late->trusted_time = late->time;
+        }
         remember(F, m);
         late->side = m->direction;
         late->turns = m->k;
@@ -437,18 +463,25 @@ static cns_code at_meetings(follower *F, bool *over, cns_error *err)
     return code;
 }
 
-cns_code cns_late_find(const cns_system *S, long digits, cns_late *late, cns_error *err)
+cns_code cns_late_find(const cns_system *S, long digits, double horizon, cns_late *late, cns_error *err)
 {
     follower F;
-    bool over = false, chaos = false;
+    bool over = false;
     *late = (cns_late){.lambda_se = -1, .noise_log2 = -HUGE_VAL};
     cns_code code = open_follower(&F, S, digits, late, err);
     while (!code && !over) {
         const long steps = cns_flow_steps(F.flow);
-        if (S->until > 0 ? late->time >= S->until : steps >= S->limit)
+        const bool noisy = late->noise_log2 >= distrust_log2;
+        if (S->until > 0 ? late->time >= S->until : steps >= S->limit) {
+            late->kind = F.chaos ? CNS_LATE_CHAOS : CNS_LATE_OPEN;
             break;
+        }
+        if (digits > 0 && noisy && (horizon > 0 ? late->time >= horizon : F.chaos))
+            break;
+        if (F.chaos && noisy && F.growing_until < 0)
+            F.growing_until = late->time;
         code = cns_flow_step(F.flow, err);
-        if (!code)
+        if (!code && F.growing_until < 0)
             code = cns_growth_follow(F.growth, F.flow, cns_flow_noise_log2(F.flow), err);
         if (!code)
             code = cns_sections_follow(F.sections, F.flow, err);
@@ -461,21 +494,21 @@ cns_code cns_late_find(const cns_system *S, long digits, cns_late *late, cns_err
         if (F.calm == 1)
             late->transient = late->time;
         if (F.calm >= CALM) {
-            late->kind = CNS_LATE_STEADY;
+            settle(&F);
             break;
         }
         code = at_meetings(&F, &over, err);
-        if (!code && !over && cns_flow_steps(F.flow) >= F.next_batch)
-            code = end_batch(&F, &chaos, err);
-        if (!code && !over && chaos) {
-            late->kind = CNS_LATE_CHAOS;
-            late->transient = F.batch_time[F.batches / 2];
-            over = true;
-        }
+        if (!code && !over && F.growing_until < 0 && cns_flow_steps(F.flow) >= F.next_batch)
+            code = end_batch(&F, err);
     }
     if (F.flow != NULL)
         late->steps = cns_flow_steps(F.flow);
+    if (late->kind == CNS_LATE_CHAOS)
+        late->transient = F.batch_time[F.batches / 2];
+    late->looks_chaotic = F.chaos;
     late->trusted = late->noise_log2 < distrust_log2;
+    if (F.growing_until >= 0) /* noise goes on growing like that */
+        late->noise_log2 += late->lambda * (late->time - F.growing_until) * LOG2_E;
     close_follower(&F);
     return code;
 }
@@ -483,5 +516,30 @@ cns_code cns_late_find(const cns_system *S, long digits, cns_late *late, cns_err
 void cns_late_clear(cns_late *late)
 {
     cns_reals_free(late->z, late->returns * late->d);
+    free(late->rest);
+    free(late->moves);
     late->z = NULL;
+    late->rest = NULL;
+    late->moves = NULL;
+}
+
+bool cns_late_attracts(const cns_system *S, const cns_late *late)
+{
+    cns_reduced r;
+    cns_fixed_point f;
+    cns_error err;
+    bool found = false, attracts = false;
+    if (!cns_reduced_open(&r, S->program, &err)) {
+        cns_fixed_point_init(&f, S->d);
+        for (slong prec = 128; prec <= 1024 && !found; prec *= 2)
+            found = !cns_fixed_point_find(&r, late->rest, prec, &f, &err);
+        double gap = 0;
+        for (int k = 0; k < S->d && found; k++)
+            gap = fmax(gap, fabs(arf_get_d(arb_midref(f.x + k), ARF_RND_NEAR) - late->rest[k]) /
+                                S->study->scales[S->index[k]]);
+        attracts = found && gap < exp2(settled_log2) && cns_fixed_point_attracts(&f, late->moves);
+        cns_fixed_point_clear(&f);
+    }
+    cns_reduced_close(&r);
+    return attracts;
 }

@@ -52,7 +52,11 @@ typedef struct cns_late {
     long cycle_turns;    /* turns of the angle in one repetition */
     bool cycle_mirrored; /* it ends in the mirror image */
     double gap_log2;     /* and how far it was from the one before, in scales */
+    double *rest;        /* steady: d dynamic states, */
+    bool *moves;         /* and which of them have not stayed exactly what they were at first */
+    bool looks_chaotic;  /* growth is surely exponential, whatever the kind */
     bool trusted;        /* noise has never grown to what could decide anything */
+    double trusted_time; /* up to the last return at which it had not */
     double noise_log2;   /* the most that it has grown to at a return, in scales */
     double lambda, lambda_se; /* exponent of the second half of the time followed; se < 0: too short */
     double transient;         /* the late motion is there from this time on */
@@ -62,9 +66,15 @@ typedef struct cns_late {
     double extremum[64];
 } cns_late;
 
-/* digits 0: double. */
-cns_code cns_late_find(const cns_system *S, long digits, cns_late *late, cns_error *err);
+/* digits 0: double. What looks chaotic is followed to the limit: it may be a transient. With digits > 0 a run
+ * whose noise could decide something ends as CNS_LATE_OPEN at the horizon, a time, or, if that is 0, when it
+ * looks chaotic. */
+cns_code cns_late_find(const cns_system *S, long digits, double horizon, cns_late *late, cns_error *err);
 void cns_late_clear(cns_late *late);
+
+/* CNS_LATE_STEADY: is that more than a stay near a saddle? It is if the fixed point attracts all states that
+ * move; those that have not moved at all, by a symmetry, never will. */
+bool cns_late_attracts(const cns_system *S, const cns_late *late);
 
 /* Working precision for so many digits; 0: that of double. */
 mpfr_prec_t cns_study_bits(long digits);

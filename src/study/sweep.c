@@ -136,6 +136,14 @@ static void print_optional(FILE *out, const char *text)
     fprintf(out, "%s,", text != NULL ? text : "");
 }
 
+/* The last column of a row: no comma may part it. */
+static void print_note(FILE *out, const char *text)
+{
+    fputc(',', out);
+    for (; *text != '\0'; text++)
+        fputc(*text == ',' ? ';' : *text, out);
+}
+
 static void print_row(FILE *out, const cns_motion *m)
 {
     const bool periodic = m->period != NULL;
@@ -155,7 +163,7 @@ static void print_row(FILE *out, const cns_motion *m)
     fprintf(out, "%.6g,", m->transient);
     for (int i = 0; i < m->extrema; i++)
         fprintf(out, "%s%s", i > 0 ? " " : "", m->maximum[i]);
-    fprintf(out, ",%s", m->note);
+    print_note(out, m->note);
 }
 
 static cns_code run(void *context, int i, cns_ensemble_job *job, char **result, cns_error *err)
@@ -183,9 +191,8 @@ static cns_code run(void *context, int i, cns_ensemble_job *job, char **result, 
     if (out != NULL && (!code || code == CNS_NUMERIC || code == CNS_UNREACHED)) {
         fprintf(out, "%s,", parameters[j->sweep->parameter].text);
         if (code) {
-            for (char *at = err->text; *at != '\0'; at++)
-                *at = *at == ',' ? ';' : *at;
-            fprintf(out, "failed,,,,,,,,,,,%s", err->text);
+            fputs("failed,,,,,,,,,,", out);
+            print_note(out, err->text);
         } else {
             print_row(out, &motion);
         }

@@ -41,6 +41,30 @@ $ cns classify -q --yaml "$CASES"/case4.yaml | grep -e '^mode' -e '^lambda:'
 > mode: chaotic
 > re:^lambda: 0\.1[234]
 
+= chaos that ends is not chaos: below R = 24.06 Lorenz's equations settle, after long chaotic transients
+$ cat > a.yaml; cns classify -q --sweep R=22.5:22.5:1 a.yaml > t; grep -v '^#' t | cut -d, -f1,2,13
+$ grep -v '^#' t | tr -cd ',\n' | uniq | wc -l
+| model: lorenz
+| initial: {x: 3, y: 0, z: 20}
+| time: {end: 1}
+| goal: {decimals: 10}
+> R,mode,note
+> re:^22.5,(steady|undecided),
+> 1
+
+= a long stay near a saddle is no steady motion; one on its stable manifold for ever is
+$ cat > a.yaml; cns classify -q a.yaml | head -n 1; cns classify -q --set initial.x=0 a.yaml | head -n 1
+$ cns classify -q "$CASES"/case1.yaml | head -n 1
+$ cns classify -q "$CASES"/case1.yaml --set initial.theta=1e-1000 | head -n 1
+| model: lorenz
+| initial: {x: 1e-5000, y: 0, z: 1}
+| time: {end: 1}
+| goal: {decimals: 10}
+> re:^mode        undecided   .*does not attract
+> mode        steady
+> mode        steady
+> re:^mode        undecided
+
 = undecided is status 1
 $ cns classify -q --until 20 "$CASES"/flutter.yaml
 > re:^mode        undecided   .*up to t = 20
@@ -102,6 +126,19 @@ $ grep -c UNPROVEN p || true; grep '^theta' e | cut -d, -f1,3; grep '^theta' p |
 > 0
 > re:^theta=1\*pi,3\.70660244594701[0-9]{5}$
 > re:^theta=1\*pi,3\.70660244594701[0-9]*,1[0-9]$
+
+= events can be read by those who can read the table
+$ umask 027; cns run -q "$CASES"/flutter.yaml --set time.end=1 --events e -o t; stat -c %a e t
+> 640
+> 640
+
+= events where the disk passes the singularity of rest at a distance of 1e-33
+$ cat > a.yaml; cns run -q a.yaml --events e -o t; tail -n 1 e
+| model: apw
+| initial: {theta: 1e-30, Vy: 0.01}
+| time: {end: 2, every: 1}
+| goal: {decimals: 40}
+> # complete
 
 = sections that are none
 $ for s in Vy Vy=x foo=1 'theta=0 mod 0'; do cns run -q "$CASES"/flutter.yaml --events e --section "$s" -o t || echo $?; done; ls
