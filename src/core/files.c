@@ -1,6 +1,7 @@
 #include "files.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,12 +37,27 @@ static cns_code failed(const char *path, int cause, cns_error *err)
     return cns_fail(err, CNS_IO, "cannot write %.300s: %s", path, strerror(cause));
 }
 
+/* A new file beside the path, whose name is the first `length` characters of `aside`. Not mkstemp, whose
+ * files nobody else may read. */
+static int open_aside(char *aside, size_t length)
+{
+    enum { NAMES = 0x1000000 };
+    const unsigned long own = (unsigned long)getpid();
+    int fd = -1;
+    for (unsigned long i = 0; fd < 0 && i < NAMES; i++) {
+        snprintf(aside + length, 8, ".%06lx", (own + i) % NAMES);
+        fd = open(aside, O_WRONLY | O_CREAT | O_EXCL, 0666);
+        if (fd < 0 && errno != EEXIST)
+            break;
+    }
+    return fd;
+}
+
 cns_code cns_file_replace(const char *path, const char *text, cns_error *err)
 {
-    const size_t size = strlen(path) + 8;
-    char *aside = cns_xalloc(size, 1);
-    snprintf(aside, size, "%s.XXXXXX", path);
-    int fd = mkstemp(aside);
+    char *aside = cns_xalloc(strlen(path) + 8, 1);
+    strcpy(aside, path);
+    int fd = open_aside(aside, strlen(path));
     FILE *out = fd < 0 ? NULL : fdopen(fd, "wb");
     cns_code code = CNS_OK;
     if (out == NULL) {
