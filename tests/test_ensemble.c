@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "cns/ensemble.h"
@@ -141,17 +142,32 @@ START_TEST(resumes)
     text[15] = text[15] == '0' ? '1' : '0';
     ck_assert_int_eq(cns_file_replace(path, text, &err), CNS_OK);
     free(text);
+    /* one whose figures were changed, and one in the place of another */
+    snprintf(path, sizeof path, "%s/job-07", directory);
+    text = cns_file_text(path);
+    strstr(text, "49")[0] = '8';
+    ck_assert_int_eq(cns_file_replace(path, text, &err), CNS_OK);
+    snprintf(path, sizeof path, "%s/job-08", directory);
+    ck_assert_int_eq(cns_file_replace(path, text, &err), CNS_OK);
+    free(text);
     ck_assert_int_eq(go(&p, 1, directory, "a", results, &err), CNS_OK);
     expect(results);
     drop(results);
-    ck_assert_int_eq(p.done[4], 1);
-    ck_assert_int_eq(p.done[5], 2);
-    ck_assert_int_eq(p.done[6], 2);
+    for (int i = 4; i < 9; i++)
+        ck_assert_int_eq(p.done[i], i == 4 ? 1 : 2);
 
     /* another identity starts afresh */
     ck_assert_int_eq(go(&p, 2, directory, "b", results, &err), CNS_OK);
     drop(results);
     ck_assert_int_eq(p.done[4], 2);
+
+    /* what is kept can be read by whoever may read other new files */
+    struct stat what;
+    const mode_t mask = umask(027);
+    ck_assert_int_eq(cns_file_replace(path, "x", &err), CNS_OK);
+    umask(mask);
+    ck_assert_int_eq(stat(path, &what), 0);
+    ck_assert_int_eq(what.st_mode & 0777, 0640);
     empty(directory);
 }
 END_TEST

@@ -167,7 +167,7 @@ START_TEST(kept_runs)
     ck_assert_msg(a.code == CNS_OK && b.code == CNS_OK, "%s %s", a.err.text, b.err.text);
     same(&a.r, &b.r);
     ck_assert_int_eq(count_files(directory, false), 6);
-    DIR *files = opendir(directory); /* one is lost, one is altered and must be believed: it was kept */
+    DIR *files = opendir(directory); /* one is lost, and one is altered and must not be believed */
     for (struct dirent *e = readdir(files); e; e = readdir(files)) {
         snprintf(path, sizeof path, "%s/%.200s", directory, e->d_name);
         if (strncmp(e->d_name, "digits-8-", 9) == 0)
@@ -185,10 +185,7 @@ START_TEST(kept_runs)
     fclose(f);
     go(&c, few, 2, directory);
     ck_assert(c.code == CNS_OK);
-    for (int i = 0; i < 4; i++)
-        if (i != 2)
-            ck_assert(c.r.law[0].point[i].tc == a.r.law[0].point[i].tc);
-    ck_assert(c.r.law[0].point[2].tc != a.r.law[0].point[2].tc);
+    same(&a.r, &c.r);
     go(&d, other, 1, directory);
     ck_assert(d.code == CNS_OK);
     for (int i = 0; i < 4; i++)

@@ -3,7 +3,8 @@
  * The results depend neither on the number of threads nor on the order in which jobs end. With a directory
  * every result is kept there in a file of its own as soon as it is there, written aside and renamed, so that
  * nothing that has been computed is lost: the same ensemble with the same directory does only what is
- * missing. A file that belongs to another identity, or is not whole, counts as missing. */
+ * missing. A file that belongs to another identity, is not whole, or is not what was written
+ * counts as missing. */
 #ifndef CNS_ENSEMBLE_H
 #define CNS_ENSEMBLE_H
 

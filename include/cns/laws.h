@@ -8,6 +8,8 @@
  * T_c is defined in cns/predictable.h: rows at multiples of `every` decide. Inside the interval before that
  * row run and reference are continued from the row before by fine runs of the two systems: what noise the run
  * makes within one interval is far below delta (if it is not, T_c is the row).
+ * So rows must be near enough for growth to be within two digits from one to the next; if they are not, that
+ * is CNS_USAGE.
  *
  * A run stops when its T_c is found. A run that does not find it before the reference ends makes the
  * reference longer, at most up to the study's `end`; a point without T_c, or with a failed run, is left out
@@ -31,7 +33,7 @@ typedef struct cns_law_point {
 typedef struct cns_law {
     int n; /* 0: not asked for */
     cns_law_point *point;
-    bool fitted;   /* three points or more */
+    bool fitted;   /* three points or more, and growth that is surely exponential */
     cns_fit time;  /* T_c over x; errors by the fluctuation of growth along the reference */
     cns_fit level; /* growth at T_c over x: the digits that x is worth (1 for K, the order for h and eps). The
                       fluctuation of growth cancels here, so this is by far the sharper figure */

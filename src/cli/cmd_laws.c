@@ -52,7 +52,7 @@ static void print_law(FILE *out, const cns_case *c, const cns_laws_result *r, cn
             fprintf(out, "  %-12s %12.4f %10.2f\n", p->text, p->tc, p->growth);
     }
     if (!law->fitted) {
-        fprintf(out, "  no line: it needs three points and growth\n");
+        fprintf(out, "  no line: it needs three points and exponential growth\n");
         return;
     }
     fprintf(out, "  T_c = %.3f %s %+.2f\n", f->slope, w->line, f->intercept);
@@ -193,7 +193,8 @@ int cns_cmd_laws(const cns_options *o)
         status = print(&s, &r);
     for (int k = 0; k < CNS_LAW_KINDS && !status; k++)
         if (r.law[k].n > 0 && !r.law[k].fitted)
-            status = cns_complain(CNS_UNREACHED, "no line for %s: fewer than three points, or no growth",
+            status = cns_complain(CNS_UNREACHED,
+                                  "no line for %s: fewer than three points, or no exponential growth",
                                   words[k].key);
     if (o->verbose && !status)
         fprintf(stderr, "cns: %.2f s\n", cns_seconds() - s.since);

@@ -12,6 +12,9 @@ enum {
     LEVELS = 3,
     LEAST_LEVEL = 10, /* digits */
     MOST_STEPS = 40,  /* measured at each level */
+    /* Digits that are measured: steps of more take seconds to hours. Time beyond follows the power of the
+     * digits that it has below, memory their square: series as long as their terms. */
+    MOST_MEASURED = 1000,
     /* The program, its libraries, stacks and the tables of MPFR: measured on Linux. */
     PROGRAM_BYTES = 4 << 20
 };
@@ -206,10 +209,14 @@ static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long d
 {
     const int parts = run->schedule->n;
     const long last = digits_in(run, parts - 1, digits);
-    const long asked[LEVELS] = {digits, lround(sqrt((double)digits * (double)last)), last};
+    long asked[LEVELS] = {digits, lround(sqrt((double)digits * (double)last)), last};
+    if (digits > MOST_MEASURED) {
+        asked[0] = MOST_MEASURED;
+        asked[1] = asked[2] = MOST_MEASURED * 7 / 10;
+    }
     level l[LEVELS];
     int levels = 0;
-    double seconds = 0;
+    double seconds = 0, bytes = 0;
     *steps = 0;
     for (int i = 0; i < parts; i++) {
         const long here = digits_in(run, i, digits);
@@ -221,9 +228,10 @@ static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long d
             continue;
         cns_flow_spec spec = spec_for(p, run, asked[i]);
         l[levels].digits = (double)asked[i];
-        if (measure(p, &spec, growth, *steps, &l[levels], i == 0 ? memory : NULL))
+        if (measure(p, &spec, growth, *steps, &l[levels], i == 0 ? &bytes : NULL))
             levels++;
     }
+    *memory += bytes * pow((double)digits / (double)asked[0], 2);
     for (int i = 0; i < parts && levels > 0; i++) {
         const long here = digits_in(run, i, digits);
         cns_flow_spec spec = spec_for(p, run, here);

@@ -124,7 +124,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         code = cns_trajectory_at(t, time, &s, &failure);
         if (code)
             break;
-        plan->followed = mpq_get_d(time);
+        plan->followed = mpq_equal(time, p->end->ratio) ? end : mpq_get_d(time); /* rounded as the end is */
         double now = plan->followed, g = s.error_log2 > 0 ? s.error_log2 * CNS_LOG10_2 : 0;
         if (now - window_start >= window) {
             double rate = (g - at_start) / (now - window_start);
@@ -174,6 +174,8 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         plan->proof_order = coarse.order;
         cns_cost_predict(p, &fine, &coarse, &tally, plan);
         plan->seconds += cns_thread_seconds() - since;
+        if (p->stop && *p->stop) /* while it measured, which then tells nothing */
+            code = cns_fail(err, CNS_STOPPED, "stopped");
     }
     cns_trajectory_free(t);
     cns_sample_clear(&s);

@@ -61,16 +61,18 @@ static bool halted(gang *g)
     return halt;
 }
 
-/* Files begin with a line that ties them to the job, and end with one that shows them to be whole. */
+/* Files begin with a line that ties them and what they say to the job, and end with one that shows them to be
+ * whole. */
 static const char whole[] = "# complete\n";
+enum { SIGNATURE = 96 };
 
-static void signature(const cns_ensemble *e, const char *name, char *line, size_t size)
+static void signature(const cns_ensemble *e, const char *name, const char *result, size_t length, char *line)
 {
-    const size_t length = strlen(e->identity) + strlen(name) + 2;
-    char *all = cns_xalloc(length, 1), sum[65];
-    snprintf(all, length, "%s\n%s", e->identity, name);
-    cns_sha256_hex(sum, all, length - 1);
-    snprintf(line, size, "# cns result %s\n", sum);
+    const size_t size = strlen(e->identity) + strlen(name) + length + 3;
+    char *all = cns_xalloc(size, 1), sum[65];
+    snprintf(all, size, "%s\n%s\n%.*s", e->identity, name, (int)length, result);
+    cns_sha256_hex(sum, all, size - 1);
+    snprintf(line, SIGNATURE, "# cns result %s\n", sum);
     free(all);
 }
 
@@ -84,23 +86,26 @@ static char *path_of(const cns_ensemble *e, const char *name)
 
 static char *recall(const cns_ensemble *e, int i)
 {
-    char name[CNS_ENSEMBLE_NAME], line[96];
+    char name[CNS_ENSEMBLE_NAME], line[SIGNATURE];
     e->name(e->context, i, name, sizeof name);
-    signature(e, name, line, sizeof line);
     char *path = path_of(e, name), *text = cns_file_text(path), *result = NULL;
     free(path);
-    const size_t length = text == NULL ? 0 : strlen(text), head = strlen(line), tail = sizeof whole - 1;
-    if (length >= head + tail && strncmp(text, line, head) == 0 && strcmp(text + length - tail, whole) == 0)
-        result = cns_xcopy_n(text + head, length - head - tail);
+    const char *begin = text == NULL ? NULL : strchr(text, '\n');
+    const size_t length = begin == NULL ? 0 : strlen(++begin), tail = sizeof whole - 1;
+    if (length >= tail && strcmp(begin + length - tail, whole) == 0) {
+        signature(e, name, begin, length - tail, line);
+        if (strncmp(text, line, strlen(line)) == 0)
+            result = cns_xcopy_n(begin, length - tail);
+    }
     free(text);
     return result;
 }
 
 static cns_code keep(const cns_ensemble *e, int i, const char *result, cns_error *err)
 {
-    char name[CNS_ENSEMBLE_NAME], line[96];
+    char name[CNS_ENSEMBLE_NAME], line[SIGNATURE];
     e->name(e->context, i, name, sizeof name);
-    signature(e, name, line, sizeof line);
+    signature(e, name, result, strlen(result), line);
     const size_t size = strlen(line) + strlen(result) + sizeof whole;
     char *path = path_of(e, name), *text = cns_xalloc(size, 1);
     snprintf(text, size, "%s%s%s", line, result, whole);

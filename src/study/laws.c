@@ -10,6 +10,7 @@
 #include "cns/trajectory.h"
 #include "cns/version.h"
 #include "core/memory.h"
+#include "core/sha256.h"
 #include "num/logs.h"
 
 enum {
@@ -27,7 +28,10 @@ enum {
     DIGITS_A_WINDOW = 8, /* of mean growth */
     MOST_WINDOWS = 64,
     LEAST_WINDOWS = 10,
-    LEAST_GROWTH = 1, /* digits, before a T_c says something of growth */
+    LEAST_GROWTH = 1,   /* digits, before a T_c says something of growth */
+    MOST_GROWTH = 2,    /* digits between two rows */
+    SURE = 3,           /* standard errors by which lambda must be above zero for a line */
+    LONGEST_NAMED = 40, /* characters of a value in the name of a run */
     LINE = 64
 };
 static const double probe_time = 10; /* over which the first step's truncation is measured */
@@ -219,6 +223,22 @@ static cns_code reference_read(laws *l, const char *text, cns_error *err)
     return rows > 1 ? CNS_OK : cns_fail(err, CNS_USAGE, "'time: end' leaves no row to compare");
 }
 
+/* Between two rows only what the difference was at the first one is followed: noise made later must not
+ * count, and growth is interpolated. So rows have to be close. */
+static cns_code rows_are_close(const laws *l, cns_error *err)
+{
+    const reference *r = &l->ref;
+    for (int row = 1; row < r->rows; row++) {
+        const double rise = r->growth[row] - r->growth[row - 1];
+        if (!(rise <= MOST_GROWTH))
+            return cns_fail(err, CNS_USAGE,
+                            "'time: every' is too coarse: differences grow by 10^%.1f from t = %.12g to "
+                            "%.12g, and rows at most 10^%d apart are needed",
+                            rise, (row - 1) * l->every, row * l->every, MOST_GROWTH);
+    }
+    return CNS_OK;
+}
+
 static cns_code make_reference(laws *l, cns_error *err)
 {
     char *result = NULL;
@@ -238,6 +258,8 @@ static cns_code make_reference(laws *l, cns_error *err)
     if (!code)
         code = reference_read(l, result, err);
     free(result);
+    if (!code)
+        code = rows_are_close(l, err);
     const double error = code ? 0 : l->ref.error[l->ref.rows - 1];
     if (!code && error > l->delta_log10 - TRUST_DIGITS)
         code = cns_fail(err, CNS_NUMERIC, "the reference's own error grows to 10^%.1f, too near to delta",
@@ -252,13 +274,18 @@ static void run_name(void *context, int i, char *name, size_t size)
     static const char *const kinds[] = {"digits", "step", "smooth", "check"};
     const laws *l = context;
     const job *j = &l->job[l->listed[i]];
+    char value[65];
+    if (strlen(j->text) > LONGEST_NAMED) /* names are short, and unlike all others */
+        cns_sha256_hex(value, j->text, strlen(j->text));
+    else
+        snprintf(value, sizeof value, "%s", j->text);
     const int prefix = snprintf(name, size, "%s-", kinds[j->kind]);
     if (j->kind == JOB_STEPS)
-        snprintf(name + prefix, size - (size_t)prefix, "%s-%d-%ld-%.40s-reference-%ld",
-                 l->spec->steps.method == CNS_METHOD_RK4 ? "rk4" : "taylor", l->order, j->digits, j->text,
+        snprintf(name + prefix, size - (size_t)prefix, "%s-%d-%ld-%s-reference-%ld",
+                 l->spec->steps.method == CNS_METHOD_RK4 ? "rk4" : "taylor", l->order, j->digits, value,
                  l->ref.digits);
     else
-        snprintf(name + prefix, size - (size_t)prefix, "%.40s-reference-%ld", j->text, l->ref.digits);
+        snprintf(name + prefix, size - (size_t)prefix, "%s-reference-%ld", value, l->ref.digits);
     for (char *c = name; *c; c++)
         if (*c == '/')
             *c = ':';
@@ -672,7 +699,10 @@ static void fit_law(const cns_laws_result *r, cns_law *law)
         g[n++] = law->point[i].growth;
     }
     const cns_spread independent = {.kind = CNS_SPREAD_INDEPENDENT};
-    law->fitted = r->rate > 0 && cns_fit_line(x, g, n, &independent, &law->level, &ignored) == CNS_OK &&
+    /* Without exponential growth T_c follows no line, and points that seem to lie on one tell nothing: along
+     * a periodic motion a difference grows like a power of time, and growth does not rise with x. */
+    law->fitted = r->lambda > SURE * r->lambda_se &&
+                  cns_fit_line(x, g, n, &independent, &law->level, &ignored) == CNS_OK &&
                   cns_fit_line(x, y, n, &independent, &law->time, &ignored) == CNS_OK;
     if (law->fitted) {
         const double mu2 = r->rate * r->rate, v = law->level.residual_sd * law->level.residual_sd;
@@ -783,7 +813,7 @@ static cns_code check(const laws *l, cns_error *err)
         return cns_fail(err, CNS_USAGE, "'laws' asks for none of 'digits', 'steps' and 'smoothing'");
     if (s->has_smoothing && l->study->smooth)
         return cns_fail(err, CNS_USAGE, "'laws: smoothing' needs 'abs: exact', which it is compared with");
-    if (l->delta_log10 < TRUST_DIGITS - FINE_DIGITS / 2)
+    if (l->delta_log10 < TRUST_DIGITS - FINE_DIGITS / 2 - 1e-9)
         return cns_fail(err, CNS_USAGE, "'laws: delta' is too small: at least 1e%d",
                         TRUST_DIGITS - FINE_DIGITS / 2);
     return CNS_OK;

@@ -82,7 +82,7 @@ $ cat > a.yaml; cns laws -q --yaml a.yaml > y || echo $?; grep -c 'tc:' y
 | laws: {digits: {from: 6, to: 7}}
 > 1
 > 2
-2> cns: no line for digits_law: fewer than three points, or no growth
+2> cns: no line for digits_law: fewer than three points, or no exponential growth
 
 = a directory that cannot be made
 $ cat > a.yaml; cns laws -q -o no/such a.yaml
@@ -92,3 +92,29 @@ $ cat > a.yaml; cns laws -q -o no/such a.yaml
 | laws: {digits: {from: 5, to: 6}}
 2> re:no/such
 ? 4
+
+= rows too far apart for the time and the growth in between
+$ cat > a.yaml; cns laws -q a.yaml
+| model: lorenz
+| initial: {x: -15.8, y: -17.48, z: 35.64}
+| time: {end: 500, every: 20}
+| laws: {digits: {from: 5, to: 9}}
+2> re:^cns: 'time: every' is too coarse: differences grow by 10\^[0-9.]+ from t = [0-9]+ to [0-9]+
+? 2
+
+= a periodic motion has no line, however its points lie
+$ sed 's/^goal.*/laws: {digits: {from: 4, to: 7}}/; s/I: [0-9.]*/I: 1.4/; s/^time.*/time: {end: 1100, every: 1}/' "$CASES/case4.yaml" > a.yaml; cns laws -q a.yaml > text || echo $?; grep -c '^  [4-7]  *[0-9]' text; grep -c 'no line' text
+> 1
+> 4
+> 1
+2> cns: no line for digits_law: fewer than three points, or no exponential growth
+
+= the least delta is that of the message
+$ cat > a.yaml; cns laws -q --set laws.delta=1e-11 a.yaml | grep -c 'delta = 1e-11'; cns laws a.yaml
+| model: lorenz
+| initial: {x: -15.8, y: -17.48, z: 35.64}
+| time: {end: 500, every: 1/8}
+| laws: {delta: 9e-12, digits: {from: 16, to: 20, by: 2}}
+> 1
+2> cns: 'laws: delta' is too small: at least 1e-11
+? 2

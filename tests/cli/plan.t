@@ -68,6 +68,25 @@ $ cns run "$CASES"/case4.yaml --until 5
 2> re:--until does not go with
 ? 2
 
+= a time that no double holds
+$ for t in 0.001 0.1 1/3 1.1; do cns plan "$CASES"/case4.yaml --until $t | head -n 1; done
+> to t = 0.001 with 10 decimals:
+> to t = 0.1 with 10 decimals:
+> to t = 1/3 with 10 decimals:
+> to t = 1.1 with 10 decimals:
+
+= ten thousand decimals are planned in seconds, from steps of fewer
+$ cns plan "$CASES"/lorenz.yaml --until 10 --decimals 1000 --yaml | sed -n 's/^seconds: //p' > few
+$ cns plan -q "$CASES"/lorenz.yaml --until 10 --decimals 10000 --yaml > many
+$ sed -n 's/^seconds: //p' many | paste few - | awk '{print ($2 > 100 * $1)}'; sed -n 's/^memory_bytes: //p' many | awk '{print ($1 > 1e9)}'
+2> cns: more digits than max_digits (5000) allows
+> 1
+> 1
+
+= stopped, it says nothing rather than too little
+$ timeout --preserve-status -s INT 5 "$CNS" plan "$CASES"/case4.yaml --until 300 --decimals 1200
+? 130
+
 = too many rows
 $ cns plan "$CASES"/case4.yaml --until 1e8
 2> re:rows
