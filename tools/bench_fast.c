@@ -125,6 +125,7 @@ static double products(const cns_bench_problem *p, int order, long digits)
     cns_arith_ops ops = cns_arith_double;
     ops.conv = counted_conv;
     ops.square = counted_square;
+    ops.orders = NULL; /* which would call its own */
     cns_jet_spec spec = {.program = cns_bench_program(p), .ops = &ops, .order = order, .prec = 53};
     cns_jet *J = cns_jet_new(&spec, &err);
     fx *F = fx_create(1, order, cns_digits_to_bits(digits) + GUARD_BITS, fx_kernel_choose("portable"));
