@@ -129,6 +129,27 @@ static cns_flow_spec taylor(const laws *l, const cns_program *p, long digits, do
                            .stop = l->study->stop};
 }
 
+/* Noise that is made late has less time to grow: a reference that began with so many digits can do with fewer
+ * by as many as growth has used. What that leaves of its accuracy is measured like all noise, by its tangents
+ * and by the second reference. */
+typedef struct falling {
+    cns_schedule schedule; /* what a flow is told, of one part */
+    long begun, digits;
+} falling;
+
+static void falling_init(falling *f, long digits)
+{
+    *f = (falling){.begun = digits, .digits = digits};
+    f->schedule = (cns_schedule){.end = 1, .n = 1, .digits = &f->digits};
+}
+
+static void falling_follow(falling *f, double growth)
+{
+    const long left = f->begun - (long)floor(growth);
+    if (left < f->digits)
+        f->digits = left;
+}
+
 /* The reference, as the one job of an ensemble: a line for each row. */
 
 static void reference_name(void *context, int i, char *name, size_t size)
@@ -155,8 +176,11 @@ static cns_code reference_run(void *context, int number, cns_ensemble_job *told,
     FILE *out = open_memstream(&text, &size);
     if (!out)
         return cns_fail(err, CNS_NUMERIC, "out of memory");
+    falling precision;
+    falling_init(&precision, l->ref.digits);
     cns_trajectory_spec spec = {.flow = taylor(l, l->exact, l->ref.digits, 0), .initial = l->study->initial};
     spec.flow.verify = true;
+    spec.flow.schedule = &precision.schedule;
     cns_trajectory *t = cns_trajectory_new(&spec, err);
     cns_sample s = {0};
     cns_code code = !t                                         ? err->code
@@ -170,6 +194,7 @@ static cns_code reference_run(void *context, int number, cns_ensemble_job *told,
         code = cns_trajectory_at(t, time, &s, err);
         if (code)
             break;
+        falling_follow(&precision, s.growth);
         fprintf(out, "%.10g %.10g", s.growth, fmax(s.error_log2 * CNS_LOG10_2, -1e9));
         for (int i = 0; i < l->n; i++) {
             char *number_text;
@@ -385,8 +410,9 @@ static cns_code refine(const laws *l, const cns_program *p, const mpfr_t *u1, co
     return code == CNS_STOPPED ? code : CNS_OK;
 }
 
-static cns_code job_flow(const laws *l, const job *j, const cns_program *smooth, cns_flow **flow,
-                         cns_error *err)
+/* precision: of a second reference; it must outlive the flow. */
+static cns_code job_flow(const laws *l, const job *j, const cns_program *smooth, falling *precision,
+                         cns_flow **flow, cns_error *err)
 {
     cns_numerics k = {.method = CNS_METHOD_TAYLOR,
                       .arithmetic = CNS_ARITH_FAST,
@@ -409,6 +435,8 @@ static cns_code job_flow(const laws *l, const job *j, const cns_program *smooth,
         break;
     default:
         spec = taylor(l, l->exact, j->digits, 0.3);
+        falling_init(precision, j->digits);
+        spec.schedule = &precision->schedule;
         break;
     }
     *flow = cns_flow_new(&spec, err);
@@ -424,7 +452,7 @@ static double growth_at(const laws *l, double t)
 
 /* A run against the reference, row by row. *tc is NaN when the reference ends first; *apart is then log10 of
  * the largest distance. A run that fails by its own numerics says so in *failure. */
-static cns_code compare(const laws *l, const job *j, cns_flow *f, const cns_program *p,
+static cns_code compare(const laws *l, const job *j, cns_flow *f, const cns_program *p, falling *precision,
                         cns_ensemble_job *told, double *tc, double *apart, char **failure, cns_error *err)
 {
     mpq_t time;
@@ -442,6 +470,7 @@ static cns_code compare(const laws *l, const job *j, cns_flow *f, const cns_prog
     cns_code code = CNS_OK;
     for (int row = 1; row < l->ref.rows && !code && isnan(*tc) && !*failure; row++) {
         row_time(l, row, time);
+        falling_follow(precision, l->ref.growth[row - 1]);
         while (!code && mpfr_cmp_q(cns_flow_end(f), time) < 0)
             code = cns_flow_step(f, err);
         if (code == CNS_NUMERIC && j->kind != JOB_CHECK) {
@@ -489,6 +518,7 @@ static cns_code run(void *context, int i, cns_ensemble_job *told, char **result,
     cns_code code = CNS_OK;
     double tc = NAN, apart = -HUGE_VAL;
     char *failure = NULL;
+    falling precision = {0};
     if (j->kind == JOB_SMOOTHING) {
         cns_study smoothed = *l->study;
         smoothed.smooth = &j->value;
@@ -496,9 +526,9 @@ static cns_code run(void *context, int i, cns_ensemble_job *told, char **result,
     }
     const cns_program *p = smooth ? smooth : l->exact;
     if (!code)
-        code = job_flow(l, j, smooth, &f, err);
+        code = job_flow(l, j, smooth, &precision, &f, err);
     if (!code)
-        code = compare(l, j, f, p, told, &tc, &apart, &failure, err);
+        code = compare(l, j, f, p, &precision, told, &tc, &apart, &failure, err);
     if (!code) {
         const size_t size = LINE + (failure ? strlen(failure) : 0);
         *result = cns_xalloc(size, 1);
@@ -564,7 +594,8 @@ static cns_code probe(const laws *l, const job *first, double *truncation, cns_e
     for (int i = 0; i < l->n; i++)
         mpfr_inits2(fine.prec, a[i], b[i], (mpfr_ptr)0);
     *truncation = -(double)first->digits;
-    cns_code code = job_flow(l, first, NULL, &f, err);
+    falling unused;
+    cns_code code = job_flow(l, first, NULL, &unused, &f, err);
     if (!code && !(truth = cns_flow_new(&fine, err)))
         code = err->code;
     if (!code) {
