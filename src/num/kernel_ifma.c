@@ -49,34 +49,29 @@
     la##p = _mm512_add_epi64(la##p, la##p), lb##p = _mm512_add_epi64(lb##p, lb##p),                          \
     lc##p = _mm512_add_epi64(lc##p, lc##p), ha##p = _mm512_add_epi64(ha##p, ha##p),                          \
     hb##p = _mm512_add_epi64(hb##p, hb##p), hc##p = _mm512_add_epi64(hc##p, hc##p);
+/* What the three sets of diagonals p have for the column p + 1, with what the column before leaves: `high`.
+ */
+#define GATHER(p)                                                                                            \
+    __m512i high = _mm512_add_epi64(ha##p, carried);                                                         \
+    carried = la##p;                                                                                         \
+    if (sets > 1) {                                                                                          \
+        high = _mm512_add_epi64(high, hb##p);                                                                \
+        carried = _mm512_add_epi64(carried, lb##p);                                                          \
+    }                                                                                                        \
+    if (sets > 2) {                                                                                          \
+        high = _mm512_add_epi64(high, hc##p);                                                                \
+        carried = _mm512_add_epi64(carried, lc##p);                                                          \
+    }
 #define OUT(p)                                                                                               \
     if (p < d) {                                                                                             \
-        __m512i high = _mm512_add_epi64(ha##p, carried);                                                     \
-        carried = la##p;                                                                                     \
-        if (sets > 1) {                                                                                      \
-            high = _mm512_add_epi64(high, hb##p);                                                            \
-            carried = _mm512_add_epi64(carried, lb##p);                                                      \
-        }                                                                                                    \
-        if (sets > 2) {                                                                                      \
-            high = _mm512_add_epi64(high, hc##p);                                                            \
-            carried = _mm512_add_epi64(carried, lc##p);                                                      \
-        }                                                                                                    \
+        GATHER(p)                                                                                            \
         into(lanes + 8 * (p + 1), high, sign, keep);                                                         \
     }
 
 /* Column q = p + 1 of the same, and column n after the last, in registers. */
 #define COLUMN(p, q, n)                                                                                      \
     if (p < d) {                                                                                             \
-        __m512i high = _mm512_add_epi64(ha##p, carried);                                                     \
-        carried = la##p;                                                                                     \
-        if (sets > 1) {                                                                                      \
-            high = _mm512_add_epi64(high, hb##p);                                                            \
-            carried = _mm512_add_epi64(carried, lb##p);                                                      \
-        }                                                                                                    \
-        if (sets > 2) {                                                                                      \
-            high = _mm512_add_epi64(high, hc##p);                                                            \
-            carried = _mm512_add_epi64(carried, lc##p);                                                      \
-        }                                                                                                    \
+        GATHER(p)                                                                                            \
         c##q = high;                                                                                         \
         if (p == d - 1)                                                                                      \
             c##n = carried;                                                                                  \

@@ -6,29 +6,13 @@
 #include "cns/jet.h"
 #include "core/memory.h"
 #include "num/logs.h"
+#include "num/vector.h"
 
 enum { TESTED = 4, MAX_START_LOG2 = 0, CHECK_BITS = 64, SLACK_BITS = 40, POINTS = 4 };
 
 static mpfr_t *coefficient(const cns_branch *b, int n)
 {
     return b->p + (size_t)n * (size_t)b->d;
-}
-
-static mpfr_t *numbers(int n, mpfr_prec_t prec)
-{
-    mpfr_t *x = malloc((size_t)n * sizeof *x);
-    for (int i = 0; x != NULL && i < n; i++) {
-        mpfr_init2(x[i], prec);
-        mpfr_set_zero(x[i], 1);
-    }
-    return x;
-}
-
-static void forget(mpfr_t *x, int n)
-{
-    for (int i = 0; x != NULL && i < n; i++)
-        mpfr_clear(x[i]);
-    free(x);
 }
 
 /* The middle of a ball; exactly 0 where it may be 0: a state that lies on a kink lies there exactly. */
@@ -192,11 +176,11 @@ static cns_code check(const cns_branch *b, const cns_reduced *r, const double *s
     cns_jet_spec spec = {
         .program = r->field, .ops = &cns_arith_mpfr, .order = 1, .prec = prec, .sharp_prec = b->prec};
     cns_jet *J = cns_jet_new(&spec, err);
-    mpfr_t *x = numbers(b->d, prec);
+    mpfr_t *x = cns_vector_new(b->d, prec);
     mpfr_t at, slope, f;
     if (J == NULL || x == NULL) {
         cns_jet_free(J);
-        forget(x, b->d);
+        cns_vector_free(x, b->d);
         return cns_fail(err, CNS_NUMERIC, "out of memory");
     }
     cns_code code = CNS_OK;
@@ -222,7 +206,7 @@ static cns_code check(const cns_branch *b, const cns_reduced *r, const double *s
         }
     }
     mpfr_clears(at, slope, f, (mpfr_ptr)0);
-    forget(x, b->d);
+    cns_vector_free(x, b->d);
     cns_jet_free(J);
     return code;
 }
@@ -232,7 +216,7 @@ cns_code cns_branch_open(cns_branch *b, const cns_reduced *r, const cns_fixed_po
 {
     *b = (cns_branch){.d = r->d, .order = order < 2 * TESTED ? 2 * TESTED : order, .prec = prec};
     mpfr_inits2(prec, b->lambda, b->s, (mpfr_ptr)0);
-    b->p = numbers(b->d * (b->order + 1), prec);
+    b->p = cns_vector_new(b->d * (b->order + 1), prec);
     cns_code code =
         b->p == NULL ? cns_fail(err, CNS_NUMERIC, "out of memory") : begin(b, f, along, scales, err);
     if (!code)
@@ -246,7 +230,7 @@ cns_code cns_branch_open(cns_branch *b, const cns_reduced *r, const cns_fixed_po
 
 void cns_branch_close(cns_branch *b)
 {
-    forget(b->p, b->d * (b->order + 1));
+    cns_vector_free(b->p, b->d * (b->order + 1));
     mpfr_clears(b->lambda, b->s, (mpfr_ptr)0);
 }
 

@@ -7,6 +7,7 @@
 #include "cns/tangent.h"
 #include "core/memory.h"
 #include "num/logs.h"
+#include "num/vector.h"
 
 enum { TURNS = 40, STEPS_PER_RETURN = 20000, SQUARINGS = 12 };
 
@@ -31,9 +32,9 @@ static void close_map(map *m)
     for (int i = 0; m->start != NULL && i < m->states; i++)
         cns_number_clear(&m->start[i]);
     free(m->start);
-    cns_reals_free(m->r, m->d);
-    cns_reals_free(m->D, m->d * m->d);
-    cns_reals_free(m->f, m->d);
+    cns_vector_free(m->r, m->d);
+    cns_vector_free(m->D, m->d * m->d);
+    cns_vector_free(m->f, m->d);
     cns_jet_free(m->field);
     cns_sections_free(m->sections);
     cns_flow_free(m->flow);
@@ -53,9 +54,9 @@ static cns_code open_map(map *m, const cns_system *S, long digits, cns_error *er
         m->scales[i] = S->study->scales[S->index[i % d]];
         cns_number_init(&m->start[i]);
     }
-    m->r = cns_reals_new(d, m->prec);
-    m->D = cns_reals_new(d * d, m->prec);
-    m->f = cns_reals_new(d, m->prec);
+    m->r = cns_vector_xnew(d, m->prec);
+    m->D = cns_vector_xnew(d * d, m->prec);
+    m->f = cns_vector_xnew(d, m->prec);
     if (cns_tangent_program(S->program, d, &m->tangent, err))
         return err->code;
     const cns_flow_spec spec = cns_study_flow(S->study, m->tangent, m->scales, digits);
@@ -228,7 +229,7 @@ cns_code cns_cycle_find(const cns_system *S, const mpfr_t *z, int returns, int d
     map m;
     double best = HUGE_VAL;
     *c = (cns_cycle){.d = S->d, .returns = returns, .direction = direction};
-    c->z = cns_reals_new(S->d, cns_study_bits(digits));
+    c->z = cns_vector_xnew(S->d, cns_study_bits(digits));
     mpfr_init2(c->time, cns_study_bits(digits));
     for (int i = 0; i < S->d; i++)
         mpfr_set(c->z[i], z[i], MPFR_RNDN);
@@ -261,7 +262,7 @@ cns_code cns_cycle_find(const cns_system *S, const mpfr_t *z, int returns, int d
 
 void cns_cycle_clear(cns_cycle *c)
 {
-    cns_reals_free(c->z, c->d);
+    cns_vector_free(c->z, c->d);
     if (c->z != NULL)
         mpfr_clear(c->time);
     c->z = NULL;

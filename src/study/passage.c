@@ -8,6 +8,7 @@
 #include "cns/manifold.h"
 #include "core/memory.h"
 #include "num/logs.h"
+#include "num/vector.h"
 
 enum {
     MAX_IMAGES = 128,
@@ -50,23 +51,6 @@ typedef struct probe {
     mpfr_t *x, *difference;
 } probe;
 
-static mpfr_t *numbers(int n, mpfr_prec_t prec)
-{
-    mpfr_t *x = cns_xalloc((size_t)n + 1, sizeof *x);
-    for (int i = 0; i < n; i++) {
-        mpfr_init2(x[i], prec);
-        mpfr_set_zero(x[i], 1);
-    }
-    return x;
-}
-
-static void forget(mpfr_t *x, int n)
-{
-    for (int i = 0; x != NULL && i < n; i++)
-        mpfr_clear(x[i]);
-    free(x);
-}
-
 /* Images. */
 
 static bool same_place(const probe *p, mpfr_t *a, mpfr_t *b)
@@ -85,7 +69,7 @@ static void add_image(probe *p, const image *from, const cns_model_symmetry *g, 
     if (p->n_images == MAX_IMAGES)
         return;
     mpfr_init2(shift, p->prec);
-    to->x = numbers(p->d, p->prec);
+    to->x = cns_vector_xnew(p->d, p->prec);
     to->sign = cns_xalloc((size_t)p->d, 1);
     for (int i = 0; i < p->d; i++) {
         const int state = p->reduced.index[i];
@@ -108,7 +92,7 @@ static void add_image(probe *p, const image *from, const cns_model_symmetry *g, 
     to->turn = to->sign[p->along];
     for (int k = 0; k < p->n_images; k++)
         if (same_place(p, p->images[k].x, to->x)) {
-            forget(to->x, p->d);
+            cns_vector_free(to->x, p->d);
             free(to->sign);
             *to = (image){0};
             return;
@@ -119,7 +103,7 @@ static void add_image(probe *p, const image *from, const cns_model_symmetry *g, 
 static void find_images(probe *p, int words)
 {
     image *first = &p->images[0];
-    first->x = numbers(p->d, p->prec);
+    first->x = cns_vector_xnew(p->d, p->prec);
     first->sign = cns_xalloc((size_t)p->d, 1);
     for (int i = 0; i < p->d; i++) {
         mpfr_set(first->x[i], p->branch.p[i], MPFR_RNDN);
@@ -143,7 +127,7 @@ static void find_rows(probe *p)
     const int d = p->d;
     acb_t scaled;
     acb_init(scaled);
-    p->row = numbers(d, p->prec);
+    p->row = cns_vector_xnew(d, p->prec);
     p->re = cns_xalloc((size_t)(d * d), sizeof *p->re);
     p->im = cns_xalloc((size_t)(d * d), sizeof *p->im);
     for (int k = 0; k < d; k++) {
@@ -427,8 +411,8 @@ static cns_code prepare(probe *p, const cns_passage_spec *spec, cns_error *err)
             p->along = i;
     }
     cns_fixed_point_init(&p->saddle, p->d);
-    p->x = numbers(p->d, p->prec);
-    p->difference = numbers(p->d, p->prec);
+    p->x = cns_vector_xnew(p->d, p->prec);
+    p->difference = cns_vector_xnew(p->d, p->prec);
     code = find_saddle(p, (slong)p->prec + 2 * EXTRA_BITS, err);
     if (code)
         return code;
@@ -457,12 +441,12 @@ static void dispose(probe *p)
     if (p->saddle.x != NULL)
         cns_fixed_point_clear(&p->saddle);
     for (int k = 0; k < p->n_images; k++) {
-        forget(p->images[k].x, p->d);
+        cns_vector_free(p->images[k].x, p->d);
         free(p->images[k].sign);
     }
-    forget(p->row, p->d);
-    forget(p->x, p->d);
-    forget(p->difference, p->d);
+    cns_vector_free(p->row, p->d);
+    cns_vector_free(p->x, p->d);
+    cns_vector_free(p->difference, p->d);
     free(p->re);
     free(p->im);
     free(p->scales);

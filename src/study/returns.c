@@ -9,6 +9,7 @@
 #include "core/memory.h"
 #include "fixed_point.h"
 #include "num/logs.h"
+#include "num/vector.h"
 
 enum {
     LIMIT = 60000,      /* steps; a step is some fraction of the time in which the motion changes */
@@ -60,23 +61,6 @@ void cns_number_from_mpfr(cns_number *n, mpfr_srcptr x)
     n->pi_power = 0;
     free(text);
     mpq_clear(q);
-}
-
-mpfr_t *cns_reals_new(int n, mpfr_prec_t prec)
-{
-    mpfr_t *x = cns_xalloc((size_t)n + 1, sizeof *x);
-    for (int i = 0; i < n; i++) {
-        mpfr_init2(x[i], prec);
-        mpfr_set_zero(x[i], 1);
-    }
-    return x;
-}
-
-void cns_reals_free(mpfr_t *x, int n)
-{
-    for (int i = 0; x != NULL && i < n; i++)
-        mpfr_clear(x[i]);
-    free(x);
 }
 
 /* Sections. */
@@ -224,7 +208,7 @@ typedef struct follower {
 
 static void close_follower(follower *F)
 {
-    cns_reals_free(F->z, HISTORY * F->S->d);
+    cns_vector_free(F->z, HISTORY * F->S->d);
     cns_sections_free(F->sections);
     cns_growth_free(F->growth);
     cns_flow_free(F->flow);
@@ -243,7 +227,7 @@ static cns_code open_follower(follower *F, const cns_system *S, long digits, cns
     F->next_batch = BATCH_STEPS;
     mpq_init(F->time);
     mpfr_init2(F->x, spec.prec);
-    F->z = cns_reals_new(HISTORY * S->d, spec.prec);
+    F->z = cns_vector_xnew(HISTORY * S->d, spec.prec);
     F->flow = cns_flow_new(&spec, err);
     if (F->flow != NULL)
         F->growth = cns_growth_new(S->program, S->study->scales, err);
@@ -372,7 +356,7 @@ static bool repeats(follower *F)
     late->cycle_turns = F->turns[j % HISTORY] - F->turns[(j - found) % HISTORY];
     late->cycle_mirrored = F->side[j % HISTORY] != F->side[(j - found) % HISTORY];
     late->d = F->S->d;
-    late->z = cns_reals_new(found * late->d, mpfr_get_prec(F->x));
+    late->z = cns_vector_xnew(found * late->d, mpfr_get_prec(F->x));
     for (int k = 0; k < found; k++)
         for (int i = 0; i < late->d; i++)
             mpfr_set(late->z[k * late->d + i], F->z[(j - k) % HISTORY * late->d + i], MPFR_RNDN);
@@ -515,7 +499,7 @@ cns_code cns_late_find(const cns_system *S, long digits, double horizon, cns_lat
 
 void cns_late_clear(cns_late *late)
 {
-    cns_reals_free(late->z, late->returns * late->d);
+    cns_vector_free(late->z, late->returns * late->d);
     free(late->rest);
     free(late->moves);
     late->z = NULL;

@@ -82,9 +82,6 @@ mpfr_prec_t cns_study_bits(long digits);
 /* Flows of this study's accuracy: Taylor, adaptive; digits 0: double. */
 cns_flow_spec cns_study_flow(const cns_study *s, const cns_program *p, const double *scales, long digits);
 
-mpfr_t *cns_reals_new(int n, mpfr_prec_t prec); /* zeros */
-void cns_reals_free(mpfr_t *x, int n);
-
 /* A number whose value is exactly x. */
 void cns_number_from_mpfr(cns_number *n, mpfr_srcptr x);
 
