@@ -33,9 +33,9 @@ LINK         = $(CC) $(ALL_CFLAGS) $(LDFLAGS)
 links = $(shell echo 'int main(void) { return 0; }' | $(CC) $(LDFLAGS) -x c - $(1) -o /dev/null 2>/dev/null && echo $(1))
 # Ensembles run one after another where the compiler has no OpenMP (clang without libomp).
 OPENMP := $(or $(call links,-fopenmp),-Wno-unknown-pragmas)
-# Arb has a library of its own before FLINT 3. Recursive: asked for when tools/setup has run.
+# Arb has a library of its own before FLINT 3. Recursive: asked for when tools/install_deps has run.
 FLINT   = $(or $(call links,-lflint-arb -lflint),$(call links,-larb -lflint),-lflint)
-# Recursive: asked for only when the tests are linked, after tools/setup has run.
+# Recursive: asked for only when the tests are linked, after tools/install_deps has run.
 CHECK_LIBS   = $(shell pkg-config --libs check 2>/dev/null || echo -lcheck -lsubunit -lrt)
 
 LIB_SOURCES   := $(sort $(shell find src -name '*.c' ! -path 'src/cli/*'))
@@ -43,7 +43,7 @@ CLI_SOURCES   := $(sort $(shell find src/cli -name '*.c'))
 SUITE_SOURCES := $(sort $(wildcard tests/test_*.c))
 TEST_SOURCES  := $(sort $(wildcard tests/*.c))
 TOOL_SOURCES  := $(sort $(wildcard tools/*.c))
-HEADERS       := $(sort $(wildcard include/cns/*.h))
+HEADERS       := $(sort $(shell find include -name '*.h'))
 FORMATTED     := $(LIB_SOURCES) $(CLI_SOURCES) $(TEST_SOURCES) $(TOOL_SOURCES) $(HEADERS) \
                  $(sort $(shell find src -name '*.h') $(wildcard tests/*.h tools/*.h))
 
@@ -53,7 +53,7 @@ LIB     := $(B)/libcns.a
 PROGRAM := $(B)/cns
 TESTS   := $(B)/cns-tests
 TOOLS   := $(patsubst tools/%.c,$(B)/%,$(TOOL_SOURCES))
-BENCHES := $(B)/bench $(B)/bench_fast
+BENCHES := $(B)/bench_engine $(B)/bench_table
 
 prefix     ?= /usr/local
 bindir     ?= $(prefix)/bin
@@ -68,12 +68,12 @@ JOBS      = $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
 MAKE_JOBS = --no-print-directory $(if $(findstring -j,$(MAKEFLAGS)),,-j$(JOBS))
 
 # Suites that say most about memory; the others take hours under valgrind.
-VALGRIND_SUITES ?= number decimal case roots program recurrences tangent ensemble
+VALGRIND_SUITES ?= number decimal_text case roots program recurrences tangent ensemble
 VALGRIND = CNS_KERNEL=portable CK_DEFAULT_TIMEOUT=36000 valgrind -q --error-exitcode=99 --leak-check=full \
            --errors-for-leak-kinds=definite
 
 .PHONY: all run check check-san check-valgrind same-bits tune bench-large exponents debug san coverage bench tools install uninstall \
-        format format-check clean help setup FORCE
+        format format-check clean help install-deps FORCE
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
@@ -97,16 +97,16 @@ help:
 	'make clean        remove build/' \
 	'Variables: CC=clang, CFLAGS=..., WERROR=1, VARIANT=debug|san|coverage'
 
-setup:
-	@tools/setup
+install-deps:
+	@tools/install_deps
 
 run:
-	@tools/setup
+	@tools/install_deps
 	@$(MAKE) $(MAKE_JOBS) all
 	$(PROGRAM) run $(CASE)
 
 check:
-	@tools/setup --tests
+	@tools/install_deps --tests
 	@$(MAKE) $(MAKE_JOBS) all $(TESTS)
 	@tests/run $(B) $(T)
 
@@ -118,7 +118,7 @@ check-san:
 
 # Valgrind knows no AVX-512: the portable kernel. A branch on memory not set, a leak, a bad address: exit 99.
 check-valgrind:
-	@tools/setup --tests
+	@tools/install_deps --tests
 	@$(MAKE) $(MAKE_JOBS) all $(TESTS)
 	$(VALGRIND) $(TESTS) $(or $(T),$(VALGRIND_SUITES))
 	$(VALGRIND) $(PROGRAM) run -q cases/case4.yaml --set time.end=3 -o /dev/null
@@ -143,9 +143,9 @@ tools: $(TOOLS)
 
 # The comparison with heyoka is made where its Python package is there.
 bench: $(BENCHES)
-	$(B)/bench
-	@if python3 -c 'import heyoka' 2>/dev/null; then $(B)/bench_fast -y tools/bench_heyoka.py; \
-	else $(B)/bench_fast; echo 'heyoka is not installed: the comparison with it is left out'; fi
+	$(B)/bench_engine
+	@if python3 -c 'import heyoka' 2>/dev/null; then $(B)/bench_table -y tools/bench_heyoka.py; \
+	else $(B)/bench_table; echo 'heyoka is not installed: the comparison with it is left out'; fi
 
 tune: $(B)/tune
 	$(B)/tune

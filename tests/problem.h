@@ -4,11 +4,11 @@
 
 #include <mpfr.h>
 
-#include "cns/integrate.h"
-#include "cns/jet.h"
+#include "cns/flow.h"
 #include "cns/model.h"
 #include "cns/program.h"
 #include "support.h"
+#include "taylor/jet.h"
 
 enum { MAX_SCALES = 64 };
 extern const double unit_scales[MAX_SCALES]; /* ones */

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/bench.h"
-#include "cns/integrate.h"
+#include "bench/bench.h"
+#include "cns/flow.h"
 #include "support.h"
 
 static cns_bench_problem *problem(cns_bench_system system)

@@ -4,9 +4,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cns/compare.h"
-#include "cns/read_table.h"
-#include "num/plain.h"
+#include "cns/study/compare.h"
+#include "io/read_table.h"
+#include "num/exact_decimal.h"
 #include "support.h"
 
 enum { MAX_ROWS = 64, MAX_COLUMNS = 8 };
@@ -142,7 +142,7 @@ START_TEST(random_decimals)
             mpz_ui_pow_ui(d, 10, (unsigned long)test_random_below(&s, 30));
             mpz_mul_ui(d, d, 5);
         }
-        const long p = cns_plain_decimals(d, e);
+        const long p = cns_exact_decimal_agreed(d, e);
         for (int more = 0; more < 2; more++) {
             const long shift = e + p + more;
             mpz_ui_pow_ui(mpq_numref(q), 10, (unsigned long)(shift > 0 ? shift : 0));

@@ -6,8 +6,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "cns/ensemble.h"
 #include "core/files.h"
+#include "study/ensemble.h"
 #include "support.h"
 
 enum { N = 12 };

@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/decimal.h"
-#include "cns/equilibria.h"
-#include "cns/tangent.h"
+#include "cns/study/equilibria.h"
+#include "num/decimal_text.h"
 #include "problem.h"
-#include "study/fixed_point.h"
+#include "study/saddle/fixed_point.h"
 #include "taylor/ball.h"
+#include "taylor/tangent.h"
 
 enum { BITS = 400, MAX_PARAMETERS = 8 };
 

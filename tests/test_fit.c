@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "cns/fit.h"
+#include "study/predict/fit.h"
 #include "support.h"
 
 enum { MOST = 64, TRIALS = 4000 };

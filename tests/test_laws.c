@@ -8,8 +8,8 @@
 #include <unistd.h>
 
 #include "cns/case.h"
-#include "cns/laws.h"
-#include "cns/predictable.h"
+#include "cns/study/laws.h"
+#include "cns/study/tc.h"
 #include "support.h"
 
 #define START "model: lorenz\ninitial: {x: -15.8, y: -17.48, z: 35.64}\n"

@@ -6,11 +6,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cns/decimal.h"
-#include "cns/manifold.h"
-#include "cns/tangent.h"
+#include "num/decimal_text.h"
 #include "problem.h"
-#include "study/branch.h"
+#include "study/saddle/branch.h"
+#include "study/saddle/manifold.h"
+#include "taylor/tangent.h"
 
 /* A. A saddle with its unstable manifold in closed form: x' = x, y' = x^2 - y, that is y = x^2 / 3. */
 

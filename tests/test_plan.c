@@ -5,8 +5,8 @@
 #include <malloc.h>
 #endif
 
-#include "cns/clock.h"
 #include "cns/solve.h"
+#include "core/clock.h"
 #include "problem.h"
 
 typedef struct planned {

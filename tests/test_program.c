@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "problem.h"
-#include "taylor/tape.h"
+#include "taylor/program_internal.h"
 
 static cns_op op_of(const cns_program *p, cns_node v)
 {

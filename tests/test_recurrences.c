@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "problem.h"
-#include "taylor/tape.h"
+#include "taylor/program_internal.h"
 
 enum { ORDER = 16, ORACLE_BITS = 900 };
 

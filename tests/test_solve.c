@@ -6,13 +6,13 @@
 #include <string.h>
 
 #include "cns/case.h"
-#include "cns/clock.h"
 #include "cns/model.h"
 #include "cns/solve.h"
-#include "cns/trajectory.h"
-#include "integrate/solve_inside.h"
+#include "core/clock.h"
+#include "integrate/trajectory.h"
 #include "problem.h"
-#include "taylor/tape.h"
+#include "solve/solve_internal.h"
+#include "taylor/program_internal.h"
 
 enum { MAX_ROWS = 200, MAX_COLUMNS = 8, MAX_STATES = 6 };
 

@@ -1,8 +1,8 @@
 /* Tangent programs against central differences in many bits: of the right-hand side, and along the flow. */
 #include <stdlib.h>
 
-#include "cns/tangent.h"
 #include "problem.h"
+#include "taylor/tangent.h"
 
 enum { PREC = 700, SMALL = 170, MAX_STATES = 16 }; /* differences of 2^-170: errors of 2^-340 */
 
@@ -241,7 +241,7 @@ START_TEST(follows_the_flow)
     cns_flow *f = flow_new(&tangent_spec);
     cns_flow_start(f, both);
     flow_to(f, flows[_i].t, z);
-    long events = cns_flow_events(f);
+    long events = cns_flow_landings(f);
     cns_flow_free(f);
     for (int side = 0; side < 2; side++) {
         for (int i = 0; i < d; i++) {

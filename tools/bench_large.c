@@ -14,9 +14,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "cns/clock.h"
-#include "cns/integrate.h"
-#include "num/fixed.h"
+#include "arith/fixed/fixed.h"
+#include "cns/flow.h"
+#include "core/clock.h"
 
 enum { TERMS = 96, SIZES = 64, KERNELS = 2 };
 

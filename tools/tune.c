@@ -12,12 +12,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/bench.h"
-#include "cns/clock.h"
-#include "cns/integrate.h"
-#include "cns/jet.h"
+#include "arith/fast.h"
+#include "bench/bench.h"
+#include "cns/flow.h"
+#include "core/clock.h"
 #include "num/logs.h"
-#include "taylor/arith_fast.h"
+#include "taylor/jet.h"
 
 static void die(const char *what)
 {

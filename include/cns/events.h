@@ -8,8 +8,8 @@
 #ifndef CNS_EVENTS_H
 #define CNS_EVENTS_H
 
-#include "cns/sections.h"
 #include "cns/solve.h"
+#include "integrate/meetings.h"
 
 typedef struct cns_event {
     int section;
@@ -28,7 +28,7 @@ typedef struct cns_events {
 /* How to run. Proven: digits > 0, the digits of the finer run of a goal that has been reached, and the places
  * wanted. By given numerics: numerics, and prove or not. */
 typedef struct cns_events_spec {
-    const cns_section *sections;
+    const cns_event_condition *sections;
     int n_sections;
     long digits;
     cns_places places;

@@ -11,8 +11,8 @@
 #ifndef CNS_SOLVE_H
 #define CNS_SOLVE_H
 
-#include "cns/decimal.h"
-#include "cns/integrate.h"
+#include "cns/flow.h"
+#include "num/decimal_text.h"
 
 /* A column of the table: a state, a derived quantity, or the time. */
 typedef enum cns_column_kind { CNS_COLUMN_TIME, CNS_COLUMN_STATE, CNS_COLUMN_OUTPUT } cns_column_kind;

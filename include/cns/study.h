@@ -5,7 +5,7 @@
 #include <signal.h>
 #include <stdbool.h>
 
-#include "cns/integrate.h"
+#include "cns/flow.h"
 #include "cns/model.h"
 #include "cns/number.h"
 #include "cns/program.h"

@@ -1,11 +1,11 @@
 /* cns bench: how fast the arithmetics are on this machine. */
 #include <math.h>
 
-#include "cns/bench.h"
-#include "cns/summary.h"
+#include "bench/bench.h"
 #include "commands.h"
-#include "console.h"
-#include "setup.h"
+#include "context.h"
+#include "io/summary.h"
+#include "report.h"
 
 enum { DEFAULT_SECONDS = 20 };
 
@@ -20,7 +20,7 @@ enum { ROWS = CNS_BENCH_SYSTEMS * sizeof stretches / sizeof *stretches };
 
 static void on_progress(void *context, double fraction, const char *what)
 {
-    cns_setup *s = context;
+    cns_context *s = context;
     if (s->meter.terminal)
         s->study.progress(s->study.context, fraction, what);
 }
@@ -108,9 +108,9 @@ int cns_cmd_bench(const cns_options *o)
 {
     cns_bench_row rows[ROWS] = {{0}};
     cns_error err;
-    cns_setup s;
+    cns_context s;
     cns_page page;
-    cns_setup_begin(o, &s);
+    cns_context_begin(o, &s);
     for (int i = 0; i < (int)ROWS; i++) { /* few digits first: what there is no time for comes last */
         rows[i].system = (cns_bench_system)(i % CNS_BENCH_SYSTEMS);
         rows[i].digits = stretches[i / CNS_BENCH_SYSTEMS].digits;
@@ -122,8 +122,8 @@ int cns_cmd_bench(const cns_options *o)
                            .progress = on_progress,
                            .context = &s};
     cns_code code = cns_bench_fill(&spec, rows, ROWS, &err);
-    int status = cns_setup_status(&s, code, &err);
-    cns_setup_close(&s);
+    int status = cns_context_status(&s, code, &err);
+    cns_context_close(&s);
     if (status == 0)
         status = (int)cns_page_open(&page);
     if (status != 0)

@@ -1,16 +1,16 @@
 /* cns bisect: a critical parameter. */
-#include "cns/bisect.h"
+#include "cns/study/bisect.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/clock.h"
-#include "cns/summary.h"
-#include "cns/trajectory.h"
 #include "commands.h"
-#include "console.h"
+#include "context.h"
+#include "core/clock.h"
 #include "core/memory.h"
-#include "setup.h"
+#include "integrate/trajectory.h"
+#include "io/summary.h"
+#include "report.h"
 
 /* What a probe depends on besides the parameter sought: model, the other parameters, abs. */
 static char *identity_of(const cns_case *c)
@@ -57,7 +57,7 @@ static bool print_yaml(FILE *out, const char *parameter, const cns_bisect_result
     return cns_summary_close(s) != 0;
 }
 
-static int print(const cns_setup *s, const cns_bisect_result *r)
+static int print(const cns_context *s, const cns_bisect_result *r)
 {
     const char *parameter = s->c->model->parameters[s->c->bisect.parameter].name;
     cns_page page;
@@ -75,7 +75,7 @@ static int print(const cns_setup *s, const cns_bisect_result *r)
 
 /* With -v, what is done next goes to a line of its own. */
 typedef struct listener {
-    cns_setup *s;
+    cns_context *s;
     char last[160];
 } listener;
 
@@ -92,14 +92,14 @@ static void on_progress(void *context, double fraction, const char *what)
 
 int cns_cmd_bisect(const cns_options *o)
 {
-    cns_setup s;
+    cns_context s;
     cns_bisect_result r = {.decimals = -1};
     cns_error err = {0};
-    int status = cns_setup_open(o, &s);
+    int status = cns_context_open(o, &s);
     if (status)
         return status;
     if (!s.c->has_bisect) {
-        cns_setup_close(&s);
+        cns_context_close(&s);
         return cns_complain(CNS_USAGE, "%s: `cns bisect` needs a section `bisect`", o->operands[0]);
     }
     listener l = {.s = &s};
@@ -111,9 +111,9 @@ int cns_cmd_bisect(const cns_options *o)
                                             : cns_bisect_trajectory(&s.study, &s.c->bisect, &store, &r, &err);
     cns_meter_clear(&s.meter);
     const int printed = r.lower != NULL ? print(&s, &r) : 0;
-    status = cns_setup_status(&s, code, &err);
+    status = cns_context_status(&s, code, &err);
     cns_bisect_clear(&r);
     free(identity);
-    cns_setup_close(&s);
+    cns_context_close(&s);
     return printed ? printed : status;
 }

@@ -1,7 +1,7 @@
 #include "commands.h"
 
 #include "cns/case.h"
-#include "console.h"
+#include "report.h"
 
 int cns_cmd_check(const cns_options *o)
 {

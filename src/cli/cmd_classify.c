@@ -2,15 +2,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/modes.h"
-#include "cns/summary.h"
-#include "cns/sweep.h"
+#include "cns/study/classify.h"
+#include "cns/study/sweep.h"
 #include "cns/version.h"
 #include "commands.h"
-#include "console.h"
+#include "context.h"
 #include "core/memory.h"
 #include "core/text.h"
-#include "setup.h"
+#include "io/summary.h"
+#include "report.h"
 
 enum { MAX_DIGITS = 400 };
 
@@ -99,14 +99,14 @@ static void print_text(FILE *out, const cns_case *c, const cns_motion *m, const 
         fputc('\n', out);
 }
 
-static int classify(cns_setup *s, const cns_classify_spec *spec, const char *observable)
+static int classify(cns_context *s, const cns_classify_spec *spec, const char *observable)
 {
     cns_motion motion;
     cns_error err = {0};
     cns_page page;
     bool written = true;
     cns_code code = cns_classify(&s->study, spec, &motion, &err);
-    int status = cns_setup_status(s, code, &err);
+    int status = cns_context_status(s, code, &err);
     if (!status)
         status = (int)cns_page_open(&page);
     if (!status) {
@@ -143,7 +143,7 @@ static char *identity_of(const cns_case *c, const cns_classify_spec *spec)
     return text;
 }
 
-static int sweep(cns_setup *s, const cns_classify_spec *spec, const char *observable)
+static int sweep(cns_context *s, const cns_classify_spec *spec, const char *observable)
 {
     cns_sweep sw;
     cns_error err = {0};
@@ -153,7 +153,7 @@ static int sweep(cns_setup *s, const cns_classify_spec *spec, const char *observ
     const int n = cns_sweep_count(&sw);
     char **rows = cns_xalloc((size_t)n, sizeof *rows), *identity = identity_of(s->c, spec);
     cns_code code = cns_sweep_run(&s->study, &sw, spec, s->o->output, identity, rows, &err);
-    int status = cns_setup_status(s, code, &err), printed = (int)cns_page_open(&page), done = 0;
+    int status = cns_context_status(s, code, &err), printed = (int)cns_page_open(&page), done = 0;
     if (!printed) {
         fprintf(page.file, "# cns %s: modes of %s\n# case: %s, SHA-256 %s\n", CNS_VERSION, s->c->model->title,
                 s->c->name, s->c->sha256);
@@ -180,14 +180,14 @@ static int sweep(cns_setup *s, const cns_classify_spec *spec, const char *observ
 
 int cns_cmd_classify(const cns_options *o)
 {
-    cns_setup s;
+    cns_context s;
     cns_classify_spec spec = {.observable = -1, .max_digits = MAX_DIGITS};
     cns_error err = {0};
     if (o->output != NULL && o->sweep == NULL)
         return cns_complain(CNS_USAGE, "-o is the directory of a sweep's runs: it needs --sweep");
     if (o->sweep != NULL && o->yaml)
         return cns_complain(CNS_USAGE, "--sweep prints a table: it does not go with --yaml");
-    int status = cns_setup_open(o, &s);
+    int status = cns_context_open(o, &s);
     if (status)
         return status;
     const cns_model *m = s.c->model;
@@ -212,6 +212,6 @@ int cns_cmd_classify(const cns_options *o)
             observable = m->states[i].name;
     if (!status)
         status = o->sweep != NULL ? sweep(&s, &spec, observable) : classify(&s, &spec, observable);
-    cns_setup_close(&s);
+    cns_context_close(&s);
     return status;
 }

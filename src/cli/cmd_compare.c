@@ -2,13 +2,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/compare.h"
-#include "cns/read_table.h"
-#include "cns/summary.h"
+#include "cns/study/compare.h"
 #include "commands.h"
-#include "console.h"
 #include "core/text.h"
 #include "delta.h"
+#include "io/read_table.h"
+#include "io/summary.h"
+#include "report.h"
 
 typedef struct compare_context {
     const cns_options *o;

@@ -1,12 +1,12 @@
 /* cns equilibria: fixed points and how they attract or repel. */
-#include "cns/equilibria.h"
+#include "cns/study/equilibria.h"
 
 #include <string.h>
 
-#include "cns/summary.h"
 #include "commands.h"
-#include "console.h"
-#include "setup.h"
+#include "context.h"
+#include "io/summary.h"
+#include "report.h"
 
 enum { STANDARD_DECIMALS = 30 };
 
@@ -64,7 +64,7 @@ static bool print_yaml(FILE *out, const cns_model *m, const cns_equilibria *e)
     return cns_summary_close(s) != 0;
 }
 
-static int print(const cns_setup *s, const cns_equilibria *e)
+static int print(const cns_context *s, const cns_equilibria *e)
 {
     cns_page page;
     bool written = true;
@@ -81,17 +81,17 @@ static int print(const cns_setup *s, const cns_equilibria *e)
 
 int cns_cmd_equilibria(const cns_options *o)
 {
-    cns_setup s;
+    cns_context s;
     cns_equilibria *e;
     cns_error err = {0};
-    int status = cns_setup_open(o, &s);
+    int status = cns_context_open(o, &s);
     if (status)
         return status;
     cns_code code = cns_equilibria_find(&s.study, o->digits > 0 ? o->digits : STANDARD_DECIMALS, &e, &err);
     cns_meter_clear(&s.meter);
     int printed = e != NULL ? print(&s, e) : 0;
-    status = cns_setup_status(&s, code, &err);
+    status = cns_context_status(&s, code, &err);
     cns_equilibria_free(e);
-    cns_setup_close(&s);
+    cns_context_close(&s);
     return printed ? printed : status;
 }

@@ -8,8 +8,8 @@
 
 #include "cns/case.h"
 #include "cns/version.h"
-#include "console.h"
 #include "core/text.h"
+#include "report.h"
 
 void cns_print_version(FILE *out)
 {

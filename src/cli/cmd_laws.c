@@ -2,13 +2,13 @@
 #include <math.h>
 #include <string.h>
 
-#include "cns/clock.h"
-#include "cns/laws.h"
-#include "cns/summary.h"
-#include "cns/trajectory.h"
+#include "cns/study/laws.h"
 #include "commands.h"
-#include "console.h"
-#include "setup.h"
+#include "context.h"
+#include "core/clock.h"
+#include "integrate/trajectory.h"
+#include "io/summary.h"
+#include "report.h"
 
 static const struct words {
     const char *key, *point, *title, *line;
@@ -160,7 +160,7 @@ static bool print_summary(FILE *out, const cns_case *c, const cns_laws_result *r
     return cns_summary_close(s) != 0;
 }
 
-static int print(const cns_setup *s, const cns_laws_result *r)
+static int print(const cns_context *s, const cns_laws_result *r)
 {
     cns_page page;
     bool written = true;
@@ -177,18 +177,18 @@ static int print(const cns_setup *s, const cns_laws_result *r)
 
 int cns_cmd_laws(const cns_options *o)
 {
-    cns_setup s;
+    cns_context s;
     cns_error err = {0};
     cns_laws_result r;
-    int status = cns_setup_open(o, &s);
+    int status = cns_context_open(o, &s);
     if (status)
         return status;
     if (!s.c->has_laws) {
         fprintf(stderr, "%s:1:1: no 'laws': `cns laws` needs that section\n", s.c->name);
-        cns_setup_close(&s);
+        cns_context_close(&s);
         return CNS_USAGE;
     }
-    status = cns_setup_status(&s, cns_laws(&s.study, &s.c->laws, o->output, &r, &err), &err);
+    status = cns_context_status(&s, cns_laws(&s.study, &s.c->laws, o->output, &r, &err), &err);
     if (!status)
         status = print(&s, &r);
     for (int k = 0; k < CNS_LAW_KINDS && !status; k++)
@@ -199,6 +199,6 @@ int cns_cmd_laws(const cns_options *o)
     if (o->verbose && !status)
         fprintf(stderr, "cns: %.2f s\n", cns_seconds() - s.since);
     cns_laws_result_clear(&r);
-    cns_setup_close(&s);
+    cns_context_close(&s);
     return status;
 }

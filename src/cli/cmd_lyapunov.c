@@ -2,15 +2,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/clock.h"
-#include "cns/lyapunov.h"
-#include "cns/summary.h"
-#include "cns/trajectory.h"
+#include "cns/study/lyapunov.h"
 #include "cns/version.h"
 #include "commands.h"
-#include "console.h"
+#include "context.h"
+#include "core/clock.h"
 #include "core/files.h"
-#include "setup.h"
+#include "integrate/trajectory.h"
+#include "io/summary.h"
+#include "report.h"
 
 /* A figure and its error to the same decimals, two significant ones of the error. */
 static int decimals_for(double se)
@@ -86,7 +86,7 @@ static void print_summary(FILE *out, const cns_case *c, const cns_lyapunov_resul
     *written = cns_summary_close(s) != 0;
 }
 
-static int print(const cns_setup *s, const cns_lyapunov_result *r)
+static int print(const cns_context *s, const cns_lyapunov_result *r)
 {
     const cns_options *o = s->o;
     cns_page page;
@@ -122,10 +122,10 @@ static int print(const cns_setup *s, const cns_lyapunov_result *r)
 
 int cns_cmd_lyapunov(const cns_options *o)
 {
-    cns_setup s;
+    cns_context s;
     cns_error err = {0};
     cns_lyapunov_result result;
-    int status = cns_setup_open(o, &s);
+    int status = cns_context_open(o, &s);
     if (status)
         return status;
     const cns_lyapunov_spec *spec = &s.c->lyapunov;
@@ -138,12 +138,12 @@ int cns_cmd_lyapunov(const cns_options *o)
                                           .stop = s.study.stop,
                                           .progress = s.study.progress,
                                           .context = s.study.context};
-    status = cns_setup_status(&s, cns_lyapunov(&problem, &result, &err), &err);
+    status = cns_context_status(&s, cns_lyapunov(&problem, &result, &err), &err);
     if (!status)
         status = print(&s, &result);
     if (!status && o->verbose)
         fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", result.steps, result.events,
                 cns_seconds() - s.since);
-    cns_setup_close(&s);
+    cns_context_close(&s);
     return status;
 }

@@ -1,8 +1,8 @@
 #include "commands.h"
 
 #include "cns/model.h"
-#include "console.h"
 #include "core/text.h"
+#include "report.h"
 
 static void print_model(const cns_model *m, FILE *out)
 {

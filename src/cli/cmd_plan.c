@@ -2,11 +2,11 @@
 #include <math.h>
 
 #include "cns/solve.h"
-#include "cns/summary.h"
 #include "commands.h"
-#include "console.h"
+#include "context.h"
 #include "core/text.h"
-#include "setup.h"
+#include "io/summary.h"
+#include "report.h"
 
 enum { STANDARD_DECIMALS = 10, STANDARD_MAX_DIGITS = 5000, MOST_ROWS = 10000000 };
 
@@ -62,7 +62,7 @@ static bool print_yaml(FILE *out, const cns_problem *p, const cns_run_info *plan
     return cns_summary_close(s) != 0;
 }
 
-static int print(const cns_setup *s, const cns_goal *goal, const cns_run_info *plan)
+static int print(const cns_context *s, const cns_goal *goal, const cns_run_info *plan)
 {
     cns_page page;
     int status = (int)cns_page_open(&page);
@@ -77,7 +77,7 @@ static int print(const cns_setup *s, const cns_goal *goal, const cns_run_info *p
     return status || written ? status : cns_complain(CNS_IO, "cannot write the summary");
 }
 
-static int plan_to(cns_setup *s)
+static int plan_to(cns_context *s)
 {
     const cns_goal goal = goal_of(s->c, s->o);
     const double end = cns_number_get_d(s->problem.end);
@@ -87,7 +87,7 @@ static int plan_to(cns_setup *s)
     cns_error err = {0};
     if (end / cns_number_get_d(s->problem.every) > MOST_ROWS)
         return cns_complain(CNS_USAGE, "more than %d rows up to t = %g", MOST_ROWS, end);
-    int status = cns_setup_status(s, cns_plan(&s->problem, &goal, &plan, &schedule, &err), &err);
+    int status = cns_context_status(s, cns_plan(&s->problem, &goal, &plan, &schedule, &err), &err);
     if (status)
         return status;
     if (plan.followed < end)
@@ -100,9 +100,9 @@ static int plan_to(cns_setup *s)
 
 int cns_cmd_plan(const cns_options *o)
 {
-    cns_setup s;
+    cns_context s;
     cns_number until;
-    int status = cns_setup_open(o, &s);
+    int status = cns_context_open(o, &s);
     if (status)
         return status;
     cns_number_init(&until);
@@ -116,6 +116,6 @@ int cns_cmd_plan(const cns_options *o)
     if (!status)
         status = plan_to(&s);
     cns_number_clear(&until);
-    cns_setup_close(&s);
+    cns_context_close(&s);
     return status;
 }

@@ -2,22 +2,22 @@
 #include <signal.h>
 
 #include "cns/solve.h"
-#include "cns/summary.h"
-#include "cns/table.h"
 #include "commands.h"
-#include "console.h"
-#include "events.h"
-#include "setup.h"
+#include "context.h"
+#include "event_table.h"
+#include "io/summary.h"
+#include "io/write_table.h"
+#include "report.h"
 
 typedef struct run_context {
-    cns_setup setup;
+    cns_context cx;
     cns_table *table; /* NULL: --yaml without -o */
 } run_context;
 
 static void announce(run_context *r, const cns_run_info *run)
 {
-    const cns_options *o = r->setup.o;
-    cns_meter_clear(&r->setup.meter);
+    const cns_options *o = r->cx.o;
+    cns_meter_clear(&r->cx.meter);
     if (o->quiet)
         return;
     if (run->planned)
@@ -51,7 +51,7 @@ static void on_progress(void *context, const cns_progress *p)
     run_context *r = context;
     char what[128];
     snprintf(what, sizeof what, "t = %g of %g, %ld digits", p->t, p->end, p->run->digits);
-    cns_meter_show(&r->setup.meter, p->fraction, p->seconds, what);
+    cns_meter_show(&r->cx.meter, p->fraction, p->seconds, what);
 }
 
 static int print_summary(const cns_result *result, const cns_case *c)
@@ -82,13 +82,13 @@ int cns_cmd_run(const cns_options *o)
     run_context r = {0};
     cns_error err = {0}, io = {0};
     cns_result result = {.decimals = -1};
-    int status = cns_setup_open(o, &r.setup);
+    int status = cns_context_open(o, &r.cx);
     if (status)
         return status;
-    const cns_case *c = r.setup.c;
+    const cns_case *c = r.cx.c;
     if (!c->has_goal && !c->has_numerics) {
         fprintf(stderr, "%s:1:1: neither 'goal' nor 'numerics': `cns run` needs one of them\n", c->name);
-        cns_setup_close(&r.setup);
+        cns_context_close(&r.cx);
         return CNS_USAGE;
     }
     cns_wanted wanted = {0};
@@ -97,26 +97,26 @@ int cns_cmd_run(const cns_options *o)
     else if (o->events != NULL)
         status = cns_wanted_open(&wanted, o, c->model);
     if (status) {
-        cns_setup_close(&r.setup);
+        cns_context_close(&r.cx);
         return status;
     }
     if (!o->yaml || o->output) {
         r.table = cns_table_open(o->output, c, &err);
         if (!r.table) {
             cns_wanted_close(&wanted);
-            cns_setup_close(&r.setup);
+            cns_context_close(&r.cx);
             return cns_complain(err.code, "%s", err.text);
         }
     }
     cns_sink sink = {.context = &r, .begin = on_begin, .row = on_row, .progress = on_progress};
-    r.setup.problem.sink = &sink;
-    cns_code code = c->has_goal ? cns_solve_goal(&r.setup.problem, &c->goal, &result, &err)
-                                : cns_solve_numerics(&r.setup.problem, &c->numerics, o->prove, &result, &err);
+    r.cx.problem.sink = &sink;
+    cns_code code = c->has_goal ? cns_solve_goal(&r.cx.problem, &c->goal, &result, &err)
+                                : cns_solve_numerics(&r.cx.problem, &c->numerics, o->prove, &result, &err);
 
     bool gone = r.table && cns_table_reader_gone(r.table);
     if (gone)
-        cns_meter_clear(&r.setup.meter);
-    status = gone ? CNS_STOPPED + SIGPIPE : cns_setup_status(&r.setup, code, &err);
+        cns_meter_clear(&r.cx.meter);
+    status = gone ? CNS_STOPPED + SIGPIPE : cns_context_status(&r.cx, code, &err);
     if (r.table && (gone || code == CNS_IO)) {
         cns_table_abandon(r.table);
     } else if (r.table) {
@@ -127,7 +127,7 @@ int cns_cmd_run(const cns_options *o)
             status = cns_complain(code, "%s", io.text);
     }
     if (o->events != NULL && (status == CNS_OK || status == CNS_UNREACHED)) {
-        int written = cns_wanted_write(&wanted, &r.setup, &result);
+        int written = cns_wanted_write(&wanted, &r.cx, &result);
         status = written ? written : status;
     }
     cns_wanted_close(&wanted);
@@ -137,6 +137,6 @@ int cns_cmd_run(const cns_options *o)
     }
     if (o->verbose && !status)
         fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", result.steps, result.events, result.wall_s);
-    cns_setup_close(&r.setup);
+    cns_context_close(&r.cx);
     return status;
 }

@@ -1,17 +1,17 @@
 /* cns tc: the critical predictable time of a run by numerics. */
 #include <string.h>
 
-#include "cns/clock.h"
-#include "cns/predictable.h"
-#include "cns/summary.h"
-#include "cns/trajectory.h"
+#include "cns/study/tc.h"
 #include "commands.h"
-#include "console.h"
+#include "context.h"
+#include "core/clock.h"
 #include "delta.h"
-#include "setup.h"
+#include "integrate/trajectory.h"
+#include "io/summary.h"
+#include "report.h"
 
 typedef struct tc_context {
-    cns_setup setup;
+    cns_context cx;
     const cns_number *delta;
     bool outputs;
     cns_tc_result result;
@@ -20,12 +20,12 @@ typedef struct tc_context {
 static void on_progress(void *context, double fraction)
 {
     const tc_context *tc = context;
-    cns_study_progress(&tc->setup.study, fraction, "the run under test and its reference");
+    cns_study_progress(&tc->cx.study, fraction, "the run under test and its reference");
 }
 
 static const char *observable_name(const tc_context *tc, int i)
 {
-    const cns_model *m = tc->setup.c->model;
+    const cns_model *m = tc->cx.c->model;
     if (i == CNS_TC_NORM)
         return "norm";
     return i <= m->n_states ? m->states[i - 1].name : m->outputs[i - 1 - m->n_states].name;
@@ -34,7 +34,7 @@ static const char *observable_name(const tc_context *tc, int i)
 /* Derived quantities are followed if the case asks for any, and named if it asks for them. */
 static bool is_shown(const tc_context *tc, int i)
 {
-    const cns_case *c = tc->setup.c;
+    const cns_case *c = tc->cx.c;
     bool shown = i <= c->model->n_states;
     for (int k = 0; k < c->n_columns && !shown; k++)
         shown = c->columns[k].kind == CNS_COLUMN_OUTPUT && c->columns[k].index == i - 1 - c->model->n_states;
@@ -49,7 +49,7 @@ static void time_text(char *text, size_t size, double t)
 /* The bound of an observable without a T_c: the end as the case gives it, or the last row compared. */
 static void bound_text(const tc_context *tc, char *text, size_t size, double t)
 {
-    const cns_number *end = &tc->setup.c->end;
+    const cns_number *end = &tc->cx.c->end;
     if (t >= cns_number_get_d(end))
         snprintf(text, size, "%.64s", end->text);
     else
@@ -83,7 +83,7 @@ static void print_times(const tc_context *tc, cns_summary *s)
 
 static void print_table(const tc_context *tc, FILE *out)
 {
-    const cns_case *c = tc->setup.c;
+    const cns_case *c = tc->cx.c;
     char digits[32] = "double precision";
     if (c->numerics.arithmetic != CNS_ARITH_DOUBLE)
         snprintf(digits, sizeof digits, "%ld digits", c->numerics.digits);
@@ -114,8 +114,8 @@ static int print(const tc_context *tc)
     cns_code code = cns_page_open(&page);
     if (code)
         return (int)code;
-    if (tc->setup.o->yaml) {
-        const cns_numerics *n = &tc->setup.c->numerics;
+    if (tc->cx.o->yaml) {
+        const cns_numerics *n = &tc->cx.c->numerics;
         cns_summary *s = cns_summary_open(page.file);
         cns_summary_text(s, "delta", tc->delta->text);
         if (n->arithmetic == CNS_ARITH_DOUBLE)
@@ -147,15 +147,15 @@ int cns_cmd_tc(const cns_options *o)
     int status = cns_delta_read(o, &delta);
     if (status)
         return status;
-    status = cns_setup_open(o, &tc.setup);
+    status = cns_context_open(o, &tc.cx);
     if (status) {
         cns_number_clear(&delta);
         return status;
     }
-    const cns_case *c = tc.setup.c;
+    const cns_case *c = tc.cx.c;
     if (!c->has_numerics) {
         status = refuse(c);
-        cns_setup_close(&tc.setup);
+        cns_context_close(&tc.cx);
         cns_number_clear(&delta);
         return status;
     }
@@ -163,25 +163,25 @@ int cns_cmd_tc(const cns_options *o)
     for (int i = 0; i < c->n_columns; i++)
         tc.outputs = tc.outputs || c->columns[i].kind == CNS_COLUMN_OUTPUT;
     const cns_tc_request request = {.numerics = &c->numerics,
-                                    .program = tc.setup.program,
-                                    .truth = tc.setup.program,
+                                    .program = tc.cx.program,
+                                    .truth = tc.cx.program,
                                     .delta = &delta,
                                     .until = CNS_TC_EVERY_ONE,
                                     .outputs = tc.outputs,
                                     .reference_digits = o->reference_digits,
                                     .progress = on_progress,
                                     .context = &tc};
-    cns_code code = cns_tc_measure(&tc.setup.study, &request, &tc.result, &err);
-    status = cns_setup_status(&tc.setup, code, &err);
+    cns_code code = cns_tc_measure(&tc.cx.study, &request, &tc.result, &err);
+    status = cns_context_status(&tc.cx, code, &err);
     if (!code || code == CNS_UNREACHED) {
         int printed = print(&tc);
         status = printed ? printed : status;
     }
     if (o->verbose && !status)
         fprintf(stderr, "cns: %ld steps, reference %ld steps, up to t = %.12g, %.2f s\n", tc.result.steps,
-                tc.result.reference_steps, tc.result.compared, cns_seconds() - tc.setup.since);
+                tc.result.reference_steps, tc.result.compared, cns_seconds() - tc.cx.since);
     cns_tc_result_clear(&tc.result);
-    cns_setup_close(&tc.setup);
+    cns_context_close(&tc.cx);
     cns_number_clear(&delta);
     return status;
 }

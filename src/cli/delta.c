@@ -1,7 +1,7 @@
 #include "delta.h"
 
-#include "console.h"
 #include "core/text.h"
+#include "report.h"
 
 int cns_delta_read(const cns_options *o, cns_number *delta)
 {

@@ -3,7 +3,7 @@
 #include <mpfr.h>
 
 #include "commands.h"
-#include "console.h"
+#include "report.h"
 
 static int print_version(void)
 {

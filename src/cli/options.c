@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/equilibria.h"
-#include "cns/predictable.h"
+#include "cns/study/equilibria.h"
+#include "cns/study/tc.h"
 #include "commands.h"
 #include "core/memory.h"
 #include "core/text.h"

@@ -6,8 +6,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "cns/clock.h"
-#include "cns/trajectory.h"
+#include "core/clock.h"
+#include "integrate/trajectory.h"
 
 static const double terminal_pause = 0.2, plain_pause = 30; /* seconds */
 

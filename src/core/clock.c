@@ -1,4 +1,4 @@
-#include "cns/clock.h"
+#include "clock.h"
 
 #include <time.h>
 

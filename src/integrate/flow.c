@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "cns/integrate.h"
+#include "cns/flow.h"
 #include "method.h"
 #include "num/logs.h"
 #include "num/round.h"
@@ -65,7 +65,7 @@ const cns_arith_ops *cns_flow_arith(const cns_flow_spec *spec)
     return spec->arithmetic == CNS_ARITH_FAST ? &cns_arith_fast : &cns_arith_mpfr;
 }
 
-const cns_arith_ops *cns_flow_plain_arith(const cns_flow_spec *spec)
+const cns_arith_ops *cns_flow_reference_arith(const cns_flow_spec *spec)
 {
     const cns_arith_ops *ops = cns_flow_arith(spec);
     return ops->in_steps ? &cns_arith_mpfr : ops;
@@ -335,7 +335,7 @@ long cns_flow_steps(const cns_flow *f)
     return f->steps;
 }
 
-long cns_flow_events(const cns_flow *f)
+long cns_flow_landings(const cns_flow *f)
 {
     return f->events;
 }

@@ -1,13 +1,13 @@
-#include "cns/growth.h"
+#include "growth.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/jet.h"
-#include "cns/tangent.h"
 #include "method.h"
 #include "num/logs.h"
+#include "taylor/jet.h"
+#include "taylor/tangent.h"
 
 enum { ORDER = 20, TIME_PREC = 64 };
 

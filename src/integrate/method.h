@@ -2,9 +2,9 @@
 #ifndef CNS_INTEGRATE_METHOD_H
 #define CNS_INTEGRATE_METHOD_H
 
-#include "cns/integrate.h"
-#include "cns/jet.h"
+#include "cns/flow.h"
 #include "num/vector.h"
+#include "taylor/jet.h"
 
 typedef struct cns_step {
     mpfr_t h;            /* out: the length of the step, at the precision of time; in: see limit */
@@ -40,6 +40,6 @@ extern const cns_method_ops cns_method_rk4;
 
 const cns_arith_ops *cns_flow_arith(const cns_flow_spec *spec);
 /* The same, or where that wants H near a step, the one that serves single values and its failures. */
-const cns_arith_ops *cns_flow_plain_arith(const cns_flow_spec *spec);
+const cns_arith_ops *cns_flow_reference_arith(const cns_flow_spec *spec);
 
 #endif

@@ -1,6 +1,6 @@
 /* What a problem asks for: its rows, and the specs of the runs that answer it. */
 #include "num/logs.h"
-#include "solve_inside.h"
+#include "solve/solve_internal.h"
 
 bool cns_row_time(const cns_problem *p, unsigned long row, mpq_t time)
 {

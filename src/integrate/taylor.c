@@ -81,7 +81,7 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
         s->jet = s->fast;
     }
     if (!s->jet) /* also where the fast one does not fit */
-        s->jet = s->plain = new_jet(s, cns_flow_plain_arith(spec), spec->order, spec->prec, err);
+        s->jet = s->plain = new_jet(s, cns_flow_reference_arith(spec), spec->order, spec->prec, err);
     if (ops->in_steps && !s->scout)
         s->jet = NULL;
     if (!s->jet) {
@@ -319,7 +319,7 @@ static cns_code expand_any(cns_stepper *s, const cns_step *step, mpfr_t *x, cns_
         return CNS_OK;
     s->noise_log2 = -(double)s->prec;
     if (!s->plain)
-        s->plain = new_jet(s, cns_flow_plain_arith(&s->spec), s->spec.order, s->spec.prec, err);
+        s->plain = new_jet(s, cns_flow_reference_arith(&s->spec), s->spec.order, s->spec.prec, err);
     return s->plain ? expand(s, s->plain, s->order_asked, 1, x, err) : err->code;
 }
 

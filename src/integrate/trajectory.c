@@ -1,11 +1,11 @@
-#include "cns/trajectory.h"
+#include "trajectory.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "cns/clock.h"
-#include "cns/jet.h"
+#include "core/clock.h"
 #include "method.h"
+#include "taylor/jet.h"
 
 enum { OUTPUT_ORDER = 4 }; /* from a start with leading zeros, 0/0 needs a few orders */
 
@@ -52,7 +52,7 @@ cns_trajectory *cns_trajectory_new(const cns_trajectory_spec *spec, cns_error *e
     const bool failed = !t->flow || (follows && !t->growth);
     if (!failed && wanted) {
         cns_jet_spec jet = {.program = spec->flow.program,
-                            .ops = cns_flow_plain_arith(&spec->flow),
+                            .ops = cns_flow_reference_arith(&spec->flow),
                             .order = OUTPUT_ORDER,
                             .prec = cns_flow_prec(t->flow),
                             .outputs = true};

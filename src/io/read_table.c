@@ -1,4 +1,4 @@
-#include "cns/read_table.h"
+#include "read_table.h"
 
 #include <errno.h>
 #include <stdio.h>

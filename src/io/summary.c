@@ -1,4 +1,4 @@
-#include "cns/summary.h"
+#include "summary.h"
 
 #include <math.h>
 #include <stdlib.h>

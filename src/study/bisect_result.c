@@ -1,6 +1,6 @@
 #include <stdlib.h>
 
-#include "cns/bisect.h"
+#include "cns/study/bisect.h"
 
 void cns_bisect_clear(cns_bisect_result *r)
 {

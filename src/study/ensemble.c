@@ -1,14 +1,14 @@
-#include "cns/ensemble.h"
+#include "ensemble.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/clock.h"
-#include "cns/trajectory.h"
+#include "core/clock.h"
 #include "core/files.h"
 #include "core/memory.h"
 #include "core/sha256.h"
+#include "integrate/trajectory.h"
 
 struct cns_ensemble_job {
     struct gang *gang;

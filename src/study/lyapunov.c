@@ -1,11 +1,11 @@
-#include "cns/lyapunov.h"
+#include "cns/study/lyapunov.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "cns/tangent.h"
 #include "core/memory.h"
 #include "num/logs.h"
+#include "taylor/tangent.h"
 
 enum {
     BLOCKS = 2048, /* growth is recorded this often: 64 to a row of the table */
@@ -196,7 +196,7 @@ cns_code cns_lyapunov(const cns_lyapunov_problem *p, cns_lyapunov_result *result
         }
         result->order = w.order;
         result->steps = cns_flow_steps(w.flow);
-        result->events = cns_flow_events(w.flow);
+        result->events = cns_flow_landings(w.flow);
     }
     walk_close(&w);
     return code;

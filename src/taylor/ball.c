@@ -6,7 +6,7 @@
 #include <fmpq.h>
 #endif
 
-#include "tape.h"
+#include "program_internal.h"
 
 void cns_ball_number(arb_t y, const cns_number *x, slong prec)
 {

@@ -1,12 +1,12 @@
-#include "cns/jet.h"
+#include "jet.h"
 
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "calls.h"
-#include "jet_inside.h"
+#include "arith/trace.h"
+#include "jet_internal.h"
 
 /* Room beyond the order asked for, where leading zeros let products run ahead of the states. */
 enum { LOOKAHEAD = 4 };

@@ -4,17 +4,17 @@
 #include <string.h>
 
 #include "num/logs.h"
-#include "tape.h"
+#include "program_internal.h"
 
 const char *const cns_op_name[CNS_OP_COUNT] = {
 #define OP(name, text, operands, recurrence) text,
-#include "operations.def"
+#include "taylor/op/operations.def"
 #undef OP
 };
 
 const int cns_op_operands[CNS_OP_COUNT] = {
 #define OP(name, text, operands, recurrence) operands,
-#include "operations.def"
+#include "taylor/op/operations.def"
 #undef OP
 };
 

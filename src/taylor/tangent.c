@@ -1,8 +1,8 @@
-#include "cns/tangent.h"
+#include "tangent.h"
 
 #include <stdlib.h>
 
-#include "tape.h"
+#include "program_internal.h"
 
 int cns_dynamic_states(const cns_program *p, int *index)
 {

@@ -1,0 +1,115 @@
+/* Integration: a trajectory of a program, step by step, by any method, with dense output.
+ *
+ * A flow holds the last step [t0, t1] with the states at both ends and evaluates the states anywhere in
+ * between. Steps are a function of the problem and the numerics alone: output times never change them. */
+#ifndef CNS_FLOW_H
+#define CNS_FLOW_H
+
+#include <gmp.h>
+#include <mpfr.h>
+#include <signal.h>
+#include <stdbool.h>
+
+#include "cns/number.h"
+#include "cns/program.h"
+#include "cns/status.h"
+
+typedef enum cns_method {
+    CNS_METHOD_TAYLOR, /* Taylor series, order and step as below, landing on kinks */
+    CNS_METHOD_RK4     /* the classical Runge-Kutta method, fixed step, blind to kinks */
+} cns_method;
+
+typedef enum cns_arithmetic {
+    CNS_ARITH_FAST,  /* block fixed point, and MPFR where that does not fit; Taylor only */
+    CNS_ARITH_MPFR,  /* every operation correctly rounded to prec bits */
+    CNS_ARITH_DOUBLE /* IEEE double; functions by the C library */
+} cns_arithmetic;
+
+/* Precision that falls with time: digits for steps that begin in each of n equal parts of [0, end], never
+ * more than in the part before; the last part's from then on. Noise made at t only matters as far as it grows
+ * to the last row. */
+typedef struct cns_schedule {
+    double end;
+    int n;
+    long *digits;
+} cns_schedule;
+
+long cns_schedule_at(const cns_schedule *s, double t);
+
+typedef struct cns_flow_spec {
+    const cns_program *program; /* finished; outlives the flow */
+    const double *scales;       /* per state, typical sizes: what tolerances are relative to */
+    cns_method method;
+    cns_arithmetic arithmetic;
+    bool portable;                /* double: correctly rounded functions, the same bits on every machine */
+    mpfr_prec_t prec;             /* bits; ignored (53) for double */
+    int order;                    /* of the Taylor series, >= 1 */
+    const cns_number *step;       /* NULL: adaptive; else fixed, > 0; outlives the flow */
+    double tolerance_log2;        /* adaptive: log2 of the local truncation error, in scales */
+    double safety;                /* adaptive: steps are 2^-safety of what the coefficients allow; >= 0 */
+    const cns_schedule *schedule; /* Taylor, adaptive: digits by time instead of prec, order and tolerance,
+                                     which stand for the most; NULL: none. Outlives the flow */
+    long schedule_shift;          /* added to the schedule's digits */
+    bool verify;                  /* after each step, compare the derivative with the right-hand side */
+    long round_digits; /* K > 0: a K-digit run. After every step and every landing each state is rounded to
+                          K significant decimals, half to even; prec should hold some ten digits more,
+                          so that nothing else matters. Dense output stays that of the step. Not with
+                          double. 0: none */
+    const volatile sig_atomic_t *stop; /* non-zero: give up (may be NULL) */
+} cns_flow_spec;
+
+typedef struct cns_flow cns_flow;
+
+/* Digits K mean ceil(K log2 10) bits and guard bits against the rounding inside one step. */
+mpfr_prec_t cns_digits_to_bits(long digits);
+
+/* The order at which a Taylor step of local error 2^tolerance_log2 costs least: 1 - ln(tolerance)/2 (Jorba
+ * and Zou 2005, section 3), which makes coefficients fall by 2.9 bits per order; the fast arithmetic wants a
+ * little more than the three bits that it is made for. */
+int cns_order_for(double tolerance_log2, cns_arithmetic arithmetic);
+
+/* The arithmetic that a Taylor flow of this order really uses: below order 8 the plain one costs less than
+ * the fast one, with every kernel and any number of digits (tools/tune small). */
+cns_arithmetic cns_arithmetic_for(cns_arithmetic asked, int order);
+
+cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err);
+void cns_flow_free(cns_flow *f);
+size_t cns_flow_bytes(const cns_flow *f); /* of memory that it holds: series and vectors */
+
+/* To t = 0 with these states, converted at the flow's precision. */
+void cns_flow_start(cns_flow *f, const cns_number *initial);
+/* The same with states that are results, not texts: rounded to the flow's precision. */
+void cns_flow_start_at(cns_flow *f, const mpfr_t *initial);
+
+/* Multiplies the states first .. first + count - 1 at t1 by 2^exponent, which is exact: for tangents, whose
+ * equations are linear. The next step begins with them; the last step still evaluates to what it was. */
+void cns_flow_rescale(cns_flow *f, int first, int count, long exponent);
+
+/* One step. CNS_NUMERIC: singularity, underflow, a number that is not finite, or (verify) a derivative
+ * that is not the right-hand side; the message says where. CNS_STOPPED: spec.stop was raised. */
+cns_code cns_flow_step(cns_flow *f, cns_error *err);
+
+int cns_flow_states(const cns_flow *f);
+mpfr_prec_t cns_flow_prec(const cns_flow *f);
+mpfr_srcptr cns_flow_begin(const cns_flow *f);   /* t0 of the last step */
+mpfr_srcptr cns_flow_end(const cns_flow *f);     /* t1 */
+const mpfr_t *cns_flow_state(const cns_flow *f); /* at t1 */
+const mpfr_t *cns_flow_begin_state(const cns_flow *f);
+bool cns_flow_landed(const cns_flow *f);       /* did the last step end on a kink? */
+double cns_flow_noise_log2(const cns_flow *f); /* of the last step: rounding or truncation, in scales */
+
+/* log2 of the step that a series of this order would allow where the last step began, at this tolerance,
+ * from the last step's coefficients: an estimate. False if they tell nothing. */
+bool cns_flow_reach(const cns_flow *f, double tolerance_log2, int order, double *h_log2);
+
+long cns_flow_steps(const cns_flow *f);
+long cns_flow_landings(const cns_flow *f);
+
+/* States at time t0 <= t <= t1 of the last step; x has one number per state, rounded to its precision. */
+void cns_flow_eval(cns_flow *f, const mpq_t t, mpfr_t *x);
+
+/* The dense output of the last step, one state's polynomial: x(t0 + u unit) = sum_k c_k u^k, coefficients
+ * 0..*degree, valid until the next step or call. Only after a step. */
+mpfr_t *cns_flow_polynomial(cns_flow *f, int state, int *degree, mpfr_t unit);
+
+#endif

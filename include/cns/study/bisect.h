@@ -1,0 +1,37 @@
+/* Critical parameters: where the long-time behaviour of a system changes from one mode to another, to as many
+ * decimals as asked for. By trajectory: the mode that the case's own trajectory falls into. By manifold: the
+ * side on which a saddle's unstable manifold passes the next saddle (see manifold.h). */
+#ifndef CNS_STUDY_BISECT_H
+#define CNS_STUDY_BISECT_H
+
+#include "cns/status.h"
+#include "cns/study.h"
+
+#define CNS_MODE_NAME 32
+
+typedef struct cns_bisect_result {
+    char *lower, *upper; /* parameters that were probed, as exact decimals: the change lies between them */
+    char *critical; /* what both ends round to, to `decimals` decimals; NULL: not even their integers agree */
+    char lower_mode[CNS_MODE_NAME], upper_mode[CNS_MODE_NAME];
+    long decimals; /* of `critical`; fewer than asked for with CNS_UNREACHED; -1 without `critical` */
+    long probes;   /* trajectories that decided, those read from the directory included */
+} cns_bisect_result;
+
+void cns_bisect_clear(cns_bisect_result *r); /* frees the texts */
+
+/* Where probes are kept, so that a stopped bisection goes on where it was (see ensemble.h). */
+typedef struct cns_bisect_store {
+    const char *directory; /* NULL: nothing is kept */
+    const char *identity;  /* whatever a probe depends on besides the parameter sought */
+} cns_bisect_store;
+
+/* Both: CNS_UNREACHED when the ends of the bracket have the same mode (then `critical` is NULL and the modes
+ * say which), or when fewer decimals than asked for could be proven; r holds the honest result. CNS_USAGE:
+ * the model does not say what is needed. CNS_NUMERIC, CNS_IO, CNS_STOPPED: r holds the bracket so far, if
+ * there is one. */
+cns_code cns_bisect_trajectory(const cns_study *s, const cns_bisect_spec *spec, const cns_bisect_store *store,
+                               cns_bisect_result *r, cns_error *err);
+cns_code cns_bisect_manifold(const cns_study *s, const cns_bisect_spec *spec, const cns_bisect_store *store,
+                             cns_bisect_result *r, cns_error *err);
+
+#endif

@@ -1,0 +1,74 @@
+/* Modes: what a trajectory ends in, found by following it.
+ *
+ * The motion is watched where it passes a section: where its angle is a multiple of half a turn (in general,
+ * of the model's turn), broadside on for a falling disk, or, for a model without an angle, where a state
+ * rises through a level. Each return there is reduced by the model's symmetries, turns and the mirror image,
+ * and the motion repeats when reduced returns do. Then: period    the least time after which the state
+ * repeats, up to whole revolutions of the angle and up to place (states that nothing feeds back on); winding
+ * whole revolutions of the angle in a period, signed; symmetry  what the motion does besides: `mirror` if
+ * half a period makes it its own mirror image, `turn` if a part of a period turns it by less than a
+ * revolution and otherwise repeats it, else `none`; returns   passages through the section until it repeats,
+ * up to symmetry. The simplest flutter and the simplest tumble have one; two is what a period doubling makes
+ * of that: the one meaning of `period two` here, whatever the symmetry does to the period in time.
+ *
+ * A mode is decided by the case's own trajectory, not by a nearby one: it is followed twice, with different
+ * precisions, and with more digits where its noise could have grown to what decides (as near a saddle); the
+ * cycle is then found by Newton's method with the variational equations and must attract, its multiplier
+ * being less than one. What is found chaotic is so by its largest exponent, statistically: a positive one, by
+ * six standard errors from the means of sixteen batches. A trajectory that does neither is `undecided`. */
+#ifndef CNS_STUDY_CLASSIFY_H
+#define CNS_STUDY_CLASSIFY_H
+
+#include "cns/study.h"
+
+typedef enum cns_mode {
+    CNS_MODE_UNDECIDED,
+    CNS_MODE_STEADY,   /* tends to a fixed point */
+    CNS_MODE_FLUTTER,  /* periodic, the angle from side to side: winding 0 */
+    CNS_MODE_TUMBLE,   /* periodic, the angle going round */
+    CNS_MODE_PERIODIC, /* periodic, in a model without an angle */
+    CNS_MODE_CHAOTIC
+} cns_mode;
+
+const char *cns_mode_name(cns_mode mode);
+
+typedef enum cns_symmetry { CNS_SYMMETRY_NONE, CNS_SYMMETRY_MIRROR, CNS_SYMMETRY_TURN } cns_symmetry;
+
+const char *cns_symmetry_name(cns_symmetry symmetry);
+
+typedef struct cns_classify_spec {
+    int observable;  /* whose extrema are wanted: a state; -1: the last dynamic one */
+    double until;    /* time to follow the motion for at most; 0: 60000 steps */
+    long max_digits; /* that may be used to follow it */
+} cns_classify_spec;
+
+#define CNS_MOTION_EXTREMA 64
+
+/* Texts are decimals, all right, NULL where they do not apply. */
+typedef struct cns_motion {
+    cns_mode mode;
+    char note[256]; /* why it is undecided, or what else to know; may be empty */
+    /* Of periodic motions: */
+    cns_symmetry symmetry;
+    long winding;
+    int returns;
+    char *period;
+    char *amplitude; /* half the range of the angle; winding 0 only; without an angle, of the observable */
+    char *descent;   /* mean speed of fall, if the model has a height */
+    char **drift;    /* per state: its change in a period; NULL for dynamic states */
+    int n_states;
+    double multiplier; /* of one repetition, the largest modulus */
+    /* Of all: */
+    double lambda, lambda_se; /* largest exponent; 0 and 0 for periodic ones, whose phase is neutral and which
+                                 attract otherwise; lambda_se < 0: not known */
+    double transient, time;   /* when the late motion begins (chaos: from when on the exponent
+                                 was measured); how far it was followed */
+    long digits;              /* of the finest run; 0: double */
+    int extrema;              /* maxima of the observable: of a period, or the last ones of chaos */
+    char *maximum[CNS_MOTION_EXTREMA]; /* chaos: six digits of a shadowing trajectory's, a sample */
+} cns_motion;
+
+cns_code cns_classify(const cns_study *s, const cns_classify_spec *spec, cns_motion *motion, cns_error *err);
+void cns_motion_clear(cns_motion *motion);
+
+#endif

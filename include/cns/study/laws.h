@@ -1,0 +1,60 @@
+/* Laws of the critical predictable time: T_c against digits K, against the step h, against the smoothing eps.
+ *
+ * Source: Xu, Li, Li, Liao, "Accurate predictions of chaotic motion of a free fall disk", section 2.3,
+ * equation for T_c. All runs are compared with one reference, a Taylor run whose end and digits are chosen so
+ * that it outlasts them all: growth reaches some digits more than any run can bear, and its own error, by
+ * tangents and by a second reference with ten digits fewer, stays far below delta to its very end.
+ *
+ * T_c is defined in cns/study/tc.h: rows at multiples of `every` decide. Inside the interval before that
+ * row run and reference are continued from the row before by fine runs of the two systems: what noise the run
+ * makes within one interval is far below delta (if it is not, T_c is the row).
+ * So rows must be near enough for growth to be within two digits from one to the next; if they are not, that
+ * is CNS_USAGE.
+ *
+ * A run stops when its T_c is found. A run that does not find it before the reference ends makes the
+ * reference longer, at most up to the study's `end`; a point without T_c, or with a failed run, is left out
+ * of the fit and named. */
+#ifndef CNS_STUDY_LAWS_H
+#define CNS_STUDY_LAWS_H
+
+#include "cns/study.h"
+#include "study/predict/fit.h"
+
+typedef enum cns_law_kind { CNS_LAW_DIGITS, CNS_LAW_STEPS, CNS_LAW_SMOOTHING, CNS_LAW_KINDS } cns_law_kind;
+
+typedef struct cns_law_point {
+    char *text;     /* K, h or eps, as run */
+    double x;       /* K, -log10 h or -log10 eps: T_c grows with x */
+    double tc;      /* NaN when left out */
+    double growth;  /* log10 of the reference's tangent growth from 0 to T_c */
+    char *left_out; /* why; NULL: it is in the fit */
+} cns_law_point;
+
+typedef struct cns_law {
+    int n; /* 0: not asked for */
+    cns_law_point *point;
+    bool fitted;   /* three points or more, and growth that is surely exponential */
+    cns_fit time;  /* T_c over x; errors by the fluctuation of growth along the reference */
+    cns_fit level; /* growth at T_c over x: the digits that x is worth (1 for K, the order for h and eps). The
+                      fluctuation of growth cancels here, so this is by far the sharper figure */
+} cns_law;
+
+typedef struct cns_laws_result {
+    cns_law law[CNS_LAW_KINDS];
+    double lambda, lambda_se; /* by the growth along the reference */
+    double rate, variance;    /* of log10 of the growth, mean and variance per unit of time: mu, s^2 */
+    long windows;             /* that they were found with, of some two digits each */
+    long reference_digits;
+    double reference_end;
+    double reference_error; /* log10 of its own error at its end, by tangents */
+    double reference_check; /* log10 of the largest distance of the second reference */
+    int order;              /* of the method of the step law */
+} cns_laws_result;
+
+/* directory: where every run is kept, NULL for nowhere; the same study again does what is missing. *r is to
+ * be cleared whatever is returned. CNS_USAGE: nothing asked for, or what cannot be done. */
+cns_code cns_laws(const cns_study *study, const cns_laws_spec *spec, const char *directory,
+                  cns_laws_result *r, cns_error *err);
+void cns_laws_result_clear(cns_laws_result *r);
+
+#endif

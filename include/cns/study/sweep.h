@@ -1,0 +1,30 @@
+/* Sweeps: the mode of the motion for every value of a parameter, from..to by step, as rows of a table. */
+#ifndef CNS_STUDY_SWEEP_H
+#define CNS_STUDY_SWEEP_H
+
+#include "cns/study/classify.h"
+#include "study/ensemble.h"
+
+typedef struct cns_sweep {
+    int parameter;
+    cns_number from, to, step; /* rational, step > 0, from <= to */
+} cns_sweep;
+
+#define CNS_SWEEP_MOST 1000000
+
+/* NAME=FROM:TO:STEP. After a success cns_sweep_clear() frees it. */
+cns_code cns_sweep_parse(cns_sweep *s, const cns_model *model, const char *text, cns_error *err);
+void cns_sweep_clear(cns_sweep *s);
+int cns_sweep_count(const cns_sweep *s);
+
+/* The columns of a row. */
+#define CNS_SWEEP_HEADER                                                                               \
+    "mode,symmetry,returns,winding,period,descent,multiplier,lambda,lambda_se,transient,maxima,note"
+
+/* rows[0..count-1]: new texts without a newline, NULL where a job was not done; they begin with the value of
+ * the parameter, an exact decimal or a fraction. A value whose motion cannot be computed has the mode
+ * `failed` and says why. directory, identity: see ensemble.h. */
+cns_code cns_sweep_run(const cns_study *study, const cns_sweep *sweep, const cns_classify_spec *spec,
+                       const char *directory, const char *identity, char **rows, cns_error *err);
+
+#endif

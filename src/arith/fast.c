@@ -1,0 +1,389 @@
+#include "fast.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "arith/fixed/fixed.h"
+#include "functions.h"
+#include "trace.h"
+
+/* The kernels' sums of half products stay below 2^63 for fewer than 1024 limbs. */
+enum { MAX_PREC = 52000, MAX_ORDER = 1000000 };
+
+struct cns_arith {
+    fx *F;
+    const fx_kernel *ops;
+    bool *integrated; /* the series that store_next makes: states */
+    long *level;      /* per series: see noise_log2 */
+    long now;         /* of the accumulator */
+    int step_bits;    /* H < 2^step_bits */
+};
+
+static long most(long a, long b)
+{
+    return a > b ? a : b;
+}
+
+/* The level of the accumulator goes into series w, moved by `factor` bits. */
+static void settle(cns_arith *A, int w, long factor)
+{
+    long level = A->now == LONG_MIN ? LONG_MIN : A->now + factor;
+    A->level[w] = most(A->level[w], most(level, A->F->series[w].live ? A->F->series[w].exp : LONG_MIN));
+}
+
+static void destroy(cns_arith *A)
+{
+    if (A == NULL)
+        return;
+    if (A->F != NULL)
+        fx_destroy(A->F);
+    free(A->integrated);
+    free(A->level);
+    free(A);
+}
+
+cns_arith *cns_fast_create(const cns_arith_spec *spec, const char *kernel, cns_error *err)
+{
+    const fx_kernel *ops = fx_kernel_choose(kernel);
+    if (ops == NULL) {
+        cns_fail(err, CNS_USAGE, "no such kernel on this machine: '%s'",
+                 kernel != NULL ? kernel : getenv("CNS_KERNEL"));
+        return NULL;
+    }
+    if (spec->series < 1 || spec->order < 1 || spec->prec < MPFR_PREC_MIN || spec->prec > MAX_PREC ||
+        spec->order > MAX_ORDER) {
+        cns_fail(err, CNS_NUMERIC, "the fast arithmetic does not hold %d series of order %d and %ld bits",
+                 spec->series, spec->order, (long)spec->prec);
+        return NULL;
+    }
+    cns_arith *A = malloc(sizeof *A);
+    if (A != NULL) {
+        A->F = fx_create(spec->series, spec->order, spec->prec, ops);
+        A->ops = ops;
+        A->step_bits = 1; /* H = 1 */
+        A->integrated = calloc((size_t)spec->series, sizeof *A->integrated);
+        A->level = malloc((size_t)spec->series * sizeof *A->level);
+    }
+    if (A == NULL || A->F == NULL || A->integrated == NULL || A->level == NULL) {
+        destroy(A);
+        cns_fail(err, CNS_NUMERIC, "out of memory: %d series of order %d and %ld bits", spec->series,
+                 spec->order, (long)spec->prec);
+        return NULL;
+    }
+    return A;
+}
+
+static size_t bytes(const cns_arith *A)
+{
+    return A->F->bytes;
+}
+
+static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
+{
+    return cns_fast_create(spec, NULL, err);
+}
+
+cns_code cns_fast_kernel_name(const char **name, cns_error *err)
+{
+    const fx_kernel *kernel = fx_kernel_choose(NULL);
+    const char *asked = getenv("CNS_KERNEL");
+    if (!kernel)
+        return cns_fail(
+            err, CNS_USAGE,
+            "CNS_KERNEL=%s: this machine has no such kernel; auto, portable and avx512ifma are known",
+            asked ? asked : "");
+    *name = kernel->name;
+    return CNS_OK;
+}
+
+const char *cns_fast_kernel(const cns_arith *A)
+{
+    return A->ops->name;
+}
+
+void cns_fast_set_precision(cns_arith *A, mpfr_prec_t prec)
+{
+    A->F->next_prec = prec < A->F->max_prec ? prec : A->F->max_prec;
+}
+
+void cns_fast_set_decay(cns_arith *A, int decay)
+{
+    A->F->next_decay = decay < 1 ? 1 : decay > 16 ? 16 : decay;
+}
+
+void cns_fast_status_get(const cns_arith *A, cns_fast_status *status)
+{
+    status->raised = A->F->raised;
+    status->raised_series = A->F->raised_series;
+    status->singular = A->F->singular;
+}
+
+void cns_fast_sum(cns_arith *A, mpfr_t y, int a, int n, const mpfr_t tau)
+{
+    fx_sum(A->F, y, a, n, tau);
+}
+
+static bool slope(cns_arith *A, mpfr_t y, double *largest_log2, int a, int n, const mpfr_t tau)
+{
+    if (n > FX_MAX_SLOPE)
+        return false;
+    fx_slope(A->F, y, largest_log2, a, n, tau);
+    return true;
+}
+
+/* Block exponents are learnt from the last expansion; one that failed, or with a rather different H, has
+ * nothing to teach. */
+static void begin(cns_arith *A, double H)
+{
+    if (H > 1.5 * A->F->H || A->F->H > 1.5 * H || A->F->singular || A->F->raised > 64)
+        for (int i = 0; i < A->F->n_series; i++)
+            if (!A->F->series[i].constant) {
+                A->F->series[i].stored = 0;
+                A->F->series[i].live = false;
+            }
+    for (int i = 0; i < A->F->n_series; i++)
+        A->level[i] = LONG_MIN;
+    fx_begin(A->F, H);
+    frexp(H, &A->step_bits);
+}
+
+static void get(const cns_arith *A, mpfr_t y, int a, int k)
+{
+    fx_get(A->F, y, a, k);
+}
+
+static void set(cns_arith *A, int w, int k, const mpfr_t y, bool keep)
+{
+    fx_set(A->F, w, k, y, keep);
+}
+
+static double get_2exp(const cns_arith *A, long *e, int a, int k)
+{
+    return fx_get_2exp(A->F, e, a, k);
+}
+
+static void zero(cns_arith *A)
+{
+    A->now = LONG_MIN;
+    A->ops->zero(A->F);
+}
+
+static void coef_level(cns_arith *A, long weight, int a)
+{
+    int bits = 0; /* of |weight|, less one */
+    for (long size = weight < 0 ? -weight : weight; size > 1; size >>= 1)
+        bits++;
+    A->now = most(A->now, A->F->series[a].exp + bits);
+}
+
+static void coef(cns_arith *A, long weight, int a, int k)
+{
+    coef_level(A, weight, a);
+    A->ops->coef(A->F, weight, a, k);
+}
+
+static void product_level(cns_arith *A, int a, int b, int more)
+{
+    A->now = most(A->now, A->F->series[a].exp + A->F->series[b].exp + more);
+}
+
+static void scaled(cns_arith *A, int sign, int c, int a, int k)
+{
+    product_level(A, a, c, 0);
+    A->ops->scaled(A->F, sign, c, a, k);
+}
+
+static void conv(cns_arith *A, int sign, int a, int b, int n, int lo, int hi)
+{
+    product_level(A, a, b, 2);
+    A->ops->conv(A->F, sign, a, b, n, lo, hi);
+}
+
+static void square(cns_arith *A, int sign, int a, int n, int lo)
+{
+    product_level(A, a, a, 2);
+    A->ops->square(A->F, sign, a, n, lo);
+}
+
+static void store(cns_arith *A, int w, int k)
+{
+    A->ops->store(A->F, w, k);
+    settle(A, w, 0);
+}
+
+static void scaled_level(cns_arith *A, int w, int c)
+{
+    settle(A, w, A->F->series[c].exp);
+}
+
+static void store_scaled(cns_arith *A, int w, int k, int c)
+{
+    A->ops->store_scaled(A->F, w, k, c);
+    scaled_level(A, w, c);
+}
+
+static void store_ratio(cns_arith *A, int w, int k, long p, long q)
+{
+    A->ops->store_ratio(A->F, w, k, p, q);
+    settle(A, w, 0);
+}
+
+static void over_level(cns_arith *A, int w, int d, int twice)
+{
+    settle(A, w, 1 - A->F->reciprocal[d].divisor_exp - twice);
+}
+
+static void store_over(cns_arith *A, int w, int k, int d, int v, int twice)
+{
+    A->ops->store_over(A->F, w, k, d, v, twice);
+    over_level(A, w, d, twice);
+}
+
+static void next_level(cns_arith *A, int x, int c)
+{
+    A->integrated[x] = true;
+    settle(A, x, A->step_bits + (c < 0 ? 0 : A->F->series[c].exp));
+}
+
+static void store_next(cns_arith *A, int x, int k, int c)
+{
+    A->ops->store_next(A->F, x, k, c);
+    next_level(A, x, c);
+}
+
+/* The levels that calls before `end` at order k leave: those of lower orders with the same exponents are none
+ * higher. */
+static void call_levels(cns_arith *A, const cns_calls *calls, int end, int k)
+{
+    for (const cns_call *c = calls->call; c < calls->call + end; c++) {
+        const int *x = c->arg;
+        switch (c->kind) {
+        case CNS_CALL_ZERO:
+            A->now = LONG_MIN;
+            break;
+        case CNS_CALL_COEF:
+            coef_level(A, x[0] + (c->grows[0] ? k - calls->order : 0), x[1]);
+            break;
+        case CNS_CALL_SCALED:
+            product_level(A, x[2], x[1], 0);
+            break;
+        case CNS_CALL_CONV:
+            product_level(A, x[1], x[2], 2);
+            break;
+        case CNS_CALL_SQUARE:
+            product_level(A, x[1], x[1], 2);
+            break;
+        case CNS_CALL_STORE:
+        case CNS_CALL_STORE_RATIO:
+            settle(A, x[0], 0);
+            break;
+        case CNS_CALL_STORE_SCALED:
+            scaled_level(A, x[0], x[2]);
+            break;
+        case CNS_CALL_STORE_OVER:
+            over_level(A, x[0], x[2], x[4]);
+            break;
+        case CNS_CALL_STORE_NEXT:
+            next_level(A, x[0], x[2]);
+            break;
+        }
+    }
+}
+
+/* Orders of few rows go by a recipe for as long as the block exponents stay; the sum at which one must
+ * change, and what remains of its order, by the calls themselves. */
+static bool orders(cns_arith *A, const cns_calls *calls, int from, int to)
+{
+    fx *F = A->F;
+    for (int k = from; k < to; k++) {
+        int first = 0;
+        if (!F->singular && F->rows[k] <= FX_ONE_ROWS && fx_work_out(F, calls, k)) {
+            const int begun = k;
+            const fx_step *stuck = A->ops->run(F, &F->recipe, &k, to);
+            if (k > begun)
+                call_levels(A, calls, calls->n, k - 1);
+            if (!stuck)
+                break;
+            first = stuck->group;
+            call_levels(A, calls, first, k);
+        }
+        cns_make_calls(&cns_arith_fast, A, calls, first, k);
+        if (k % 8 == 7 && F->singular)
+            return false;
+    }
+    return true;
+}
+
+static void function(cns_arith *A, cns_function f, int w, int w2, int a, int b)
+{
+    fx *F = A->F;
+    const mpfr_prec_t prec = (mpfr_prec_t)FX_BITS * (F->limbs + 1);
+    mpfr_set_prec(F->g, prec);
+    mpfr_set_prec(F->g2, prec);
+    fx_get(F, F->g, a, 0);
+    if (b >= 0)
+        fx_get(F, F->g2, b, 0);
+    cns_function_mpfr(f, F->g, F->g2, F->g, F->g2);
+    fx_set(F, w, 0, F->g, false);
+    if (f == CNS_FN_SINCOS)
+        fx_set(F, w2, 0, F->g2, false);
+}
+
+/* The bound. Sums of products a b drop less than a unit of 2^(e_a + e_b - W) per limb and term, which W has
+ * bits for (fixed.h); other operations round once, at 2^(e - W). So a coefficient of w is made with an error
+ * below 2^(level_w - W), the level being the largest of these exponents that occurred, moved by the factor of
+ * the store: a quotient by d lowers it by log2 |d|. Errors of states count as they are, those of all others
+ * reach states through x_{k+1} = H f_k / (k+1). What then happens to them is what happens to any small
+ * disturbance of the series: it falls with the order as the series does. SLACK bits and those of the order
+ * cover the sums over orders and over the tape's handful of operations. Measured on random arcs by the
+ * tests, which hold the arithmetic to it. */
+enum { SLACK = 5 };
+
+static double noise_log2(const cns_arith *A)
+{
+    const fx *F = A->F;
+    long worst = LONG_MIN;
+    int weight, order_bits;
+    if (F->singular)
+        return HUGE_VAL;
+    frexp(F->H * exp2(FX_REACH / 8.0), &weight);
+    frexp((double)F->order, &order_bits);
+    for (int i = 0; i < F->n_series; i++) {
+        if (F->series[i].constant || A->level[i] == LONG_MIN)
+            continue;
+        long level = A->level[i] + (A->integrated[i] ? 0 : weight);
+        worst = level > worst ? level : worst;
+    }
+    return worst == LONG_MIN ? -HUGE_VAL : (double)(worst - F->window + SLACK + order_bits);
+}
+
+const cns_arith_ops cns_arith_fast = {
+    .name = "fast",
+    .in_steps = true,
+    .reach_log2 = FX_REACH / 8.0,
+    .noise_log2 = noise_log2,
+    .set_precision = cns_fast_set_precision,
+    .set_decay = cns_fast_set_decay,
+    .sum = cns_fast_sum,
+    .slope = slope,
+    .create = create,
+    .destroy = destroy,
+    .bytes = bytes,
+    .begin = begin,
+    .get = get,
+    .set = set,
+    .get_2exp = get_2exp,
+    .zero = zero,
+    .coef = coef,
+    .scaled = scaled,
+    .conv = conv,
+    .square = square,
+    .store = store,
+    .store_scaled = store_scaled,
+    .store_ratio = store_ratio,
+    .store_over = store_over,
+    .store_next = store_next,
+    .orders = orders,
+    .function = function,
+};

@@ -1,0 +1,226 @@
+/* MPFR: every single operation correctly rounded to the working precision. The reference arithmetic. */
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "arith.h"
+#include "functions.h"
+
+struct cns_arith {
+    cns_arith_spec spec;
+    double H;
+    mpfr_t acc, term, half;
+    mpfr_t *c;        /* coefficient k of series a is c[a (order+1) + k] */
+    mp_limb_t *limbs; /* their significands, contiguous */
+};
+
+static mpfr_ptr at(const cns_arith *A, int a, int k)
+{
+    return A->c[(size_t)a * ((size_t)A->spec.order + 1) + (size_t)k];
+}
+
+static void destroy(cns_arith *A)
+{
+    if (!A)
+        return;
+    if (A->limbs) {
+        mpfr_clear(A->acc);
+        mpfr_clear(A->term);
+        mpfr_clear(A->half);
+    }
+    free(A->c);
+    free(A->limbs);
+    free(A);
+}
+
+static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
+{
+    cns_arith *A = calloc(1, sizeof *A);
+    size_t n = (size_t)spec->series * ((size_t)spec->order + 1);
+    size_t bytes = mpfr_custom_get_size(spec->prec);
+    if (A) {
+        A->spec = *spec;
+        A->H = 1;
+        A->c = malloc(n * sizeof *A->c);
+        A->limbs = n <= SIZE_MAX / bytes ? malloc(n * bytes) : NULL;
+    }
+    if (!A || !A->c || !A->limbs) {
+        cns_fail(err, CNS_NUMERIC, "out of memory: %d series of order %d at %ld bits", spec->series,
+                 spec->order, (long)spec->prec);
+        if (A) {
+            free(A->c);
+            free(A->limbs);
+            free(A);
+        }
+        return NULL;
+    }
+    for (size_t i = 0; i < n; i++) {
+        void *significand = (char *)A->limbs + i * bytes;
+        mpfr_custom_init(significand, spec->prec);
+        mpfr_custom_init_set(A->c[i], MPFR_ZERO_KIND, 0, spec->prec, significand);
+    }
+    mpfr_init2(A->acc, spec->prec);
+    mpfr_init2(A->term, spec->prec);
+    mpfr_init2(A->half, spec->prec);
+    return A;
+}
+
+static size_t bytes(const cns_arith *A)
+{
+    const size_t n = (size_t)A->spec.series * ((size_t)A->spec.order + 1);
+    return n * (sizeof *A->c + mpfr_custom_get_size(A->spec.prec));
+}
+
+static void begin(cns_arith *A, double H)
+{
+    A->H = H;
+}
+
+static void get(const cns_arith *A, mpfr_t y, int a, int k)
+{
+    mpfr_set(y, at(A, a, k), MPFR_RNDN);
+}
+
+static void set(cns_arith *A, int w, int k, const mpfr_t y, bool keep)
+{
+    (void)keep;
+    mpfr_set(at(A, w, k), y, MPFR_RNDN);
+}
+
+static double get_2exp(const cns_arith *A, long *e, int a, int k)
+{
+    mpfr_srcptr x = at(A, a, k);
+    if (!mpfr_regular_p(x)) {
+        *e = 0;
+        return mpfr_get_d(x, MPFR_RNDN);
+    }
+    return mpfr_get_d_2exp(e, x, MPFR_RNDN);
+}
+
+static void zero(cns_arith *A)
+{
+    mpfr_set_zero(A->acc, 1);
+}
+
+static void add_term(cns_arith *A, int sign)
+{
+    if (sign > 0)
+        mpfr_add(A->acc, A->acc, A->term, MPFR_RNDN);
+    else
+        mpfr_sub(A->acc, A->acc, A->term, MPFR_RNDN);
+}
+
+static void coef(cns_arith *A, long weight, int a, int k)
+{
+    if (weight == 1) {
+        mpfr_add(A->acc, A->acc, at(A, a, k), MPFR_RNDN);
+    } else if (weight == -1) {
+        mpfr_sub(A->acc, A->acc, at(A, a, k), MPFR_RNDN);
+    } else {
+        mpfr_mul_si(A->term, at(A, a, k), weight, MPFR_RNDN);
+        add_term(A, 1);
+    }
+}
+
+static void scaled(cns_arith *A, int sign, int c, int a, int k)
+{
+    mpfr_mul(A->term, at(A, c, 0), at(A, a, k), MPFR_RNDN);
+    add_term(A, sign);
+}
+
+static void conv(cns_arith *A, int sign, int a, int b, int n, int lo, int hi)
+{
+    mpfr_t *x = &A->c[(size_t)a * ((size_t)A->spec.order + 1)];
+    mpfr_t *y = &A->c[(size_t)b * ((size_t)A->spec.order + 1)];
+    if (sign > 0)
+        for (int j = lo; j <= hi; j++) {
+            mpfr_mul(A->term, x[j], y[n - j], MPFR_RNDN);
+            mpfr_add(A->acc, A->acc, A->term, MPFR_RNDN);
+        }
+    else
+        for (int j = lo; j <= hi; j++) {
+            mpfr_mul(A->term, x[j], y[n - j], MPFR_RNDN);
+            mpfr_sub(A->acc, A->acc, A->term, MPFR_RNDN);
+        }
+}
+
+/* Half the products: 2 sum_{j < n/2} a_j a_{n-j}, and the square in the middle. */
+static void square(cns_arith *A, int sign, int a, int n, int lo)
+{
+    mpfr_t *x = &A->c[(size_t)a * ((size_t)A->spec.order + 1)];
+    int j = lo;
+    mpfr_set_zero(A->half, 1);
+    for (; 2 * j < n; j++) {
+        mpfr_mul(A->term, x[j], x[n - j], MPFR_RNDN);
+        mpfr_add(A->half, A->half, A->term, MPFR_RNDN);
+    }
+    mpfr_mul_2ui(A->term, A->half, 1, MPFR_RNDN);
+    add_term(A, sign);
+    if (2 * j == n) {
+        mpfr_sqr(A->term, x[j], MPFR_RNDN);
+        add_term(A, sign);
+    }
+}
+
+static void store(cns_arith *A, int w, int k)
+{
+    mpfr_set(at(A, w, k), A->acc, MPFR_RNDN);
+}
+
+static void store_scaled(cns_arith *A, int w, int k, int c)
+{
+    mpfr_mul(at(A, w, k), A->acc, at(A, c, 0), MPFR_RNDN);
+}
+
+static void store_ratio(cns_arith *A, int w, int k, long p, long q)
+{
+    mpfr_ptr x = at(A, w, k);
+    if (p == 1) {
+        mpfr_div_si(x, A->acc, q, MPFR_RNDN);
+    } else {
+        mpfr_mul_si(A->acc, A->acc, p, MPFR_RNDN);
+        mpfr_div_si(x, A->acc, q, MPFR_RNDN);
+    }
+}
+
+static void store_over(cns_arith *A, int w, int k, int d, int v, int twice)
+{
+    mpfr_div(at(A, w, k), A->acc, at(A, d, v), MPFR_RNDN);
+    if (twice)
+        mpfr_div_2ui(at(A, w, k), at(A, w, k), 1, MPFR_RNDN);
+}
+
+static void store_next(cns_arith *A, int x, int k, int c)
+{
+    if (c >= 0)
+        mpfr_mul(A->acc, A->acc, at(A, c, 0), MPFR_RNDN);
+    if (A->H != 1)
+        mpfr_mul_d(A->acc, A->acc, A->H, MPFR_RNDN);
+    mpfr_div_ui(at(A, x, k + 1), A->acc, (unsigned long)k + 1, MPFR_RNDN);
+}
+
+static void function(cns_arith *A, cns_function f, int w, int w2, int a, int b)
+{
+    cns_function_mpfr(f, at(A, w, 0), w2 < 0 ? NULL : at(A, w2, 0), at(A, a, 0), b < 0 ? NULL : at(A, b, 0));
+}
+
+const cns_arith_ops cns_arith_mpfr = {
+    .name = "mpfr",
+    .create = create,
+    .destroy = destroy,
+    .bytes = bytes,
+    .begin = begin,
+    .get = get,
+    .set = set,
+    .get_2exp = get_2exp,
+    .zero = zero,
+    .coef = coef,
+    .scaled = scaled,
+    .conv = conv,
+    .square = square,
+    .store = store,
+    .store_scaled = store_scaled,
+    .store_ratio = store_ratio,
+    .store_over = store_over,
+    .store_next = store_next,
+    .function = function,
+};

@@ -1,0 +1,388 @@
+#include "bench.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "arith/arith.h"
+#include "cns/flow.h"
+#include "cns/model.h"
+#include "core/clock.h"
+#include "core/memory.h"
+#include "integrate/trajectory.h"
+#include "num/logs.h"
+
+struct cns_bench_problem {
+    const cns_model *model;
+    cns_program *program;
+    cns_number *initial;
+    double *scales;
+};
+
+static const struct {
+    const char *name, *model, *eps;
+    const char *initial[8];
+} systems[CNS_BENCH_SYSTEMS] = {
+    [CNS_BENCH_APW] = {"apw", "apw", NULL, {"0", "0", "1.7", "-0.45", "-0.3", "0.6"}},
+    [CNS_BENCH_APW_SMOOTH] = {"apw, eps 1e-3", "apw", "1e-3", {"0", "0", "1.7", "-0.45", "-0.3", "0.6"}},
+    [CNS_BENCH_LORENZ] = {"lorenz", "lorenz", NULL, {"-15.8", "-17.48", "35.64"}},
+};
+
+static const char *const engines[CNS_BENCH_ENGINES] = {"mpfr", "portable", "avx512ifma"};
+
+const char *cns_bench_engine_name(cns_bench_engine engine)
+{
+    return engines[engine];
+}
+
+const char *cns_bench_system_name(cns_bench_system system)
+{
+    return systems[system].name;
+}
+
+/* Problems. */
+
+static cns_code parse(cns_number *x, const char *text, cns_error *err)
+{
+    cns_number_init(x);
+    return cns_number_parse(x, text, err);
+}
+
+static cns_code build(cns_bench_problem *p, cns_bench_system system, cns_error *err)
+{
+    const cns_model *m = p->model;
+    cns_number *parameters = cns_xalloc((size_t)m->n_parameters, sizeof *parameters), eps;
+    cns_program_options options = {NULL};
+    cns_code code = parse(&eps, systems[system].eps ? systems[system].eps : "0", err);
+    if (systems[system].eps)
+        options.smooth = &eps;
+    for (int i = 0; i < m->n_parameters; i++) {
+        cns_code one = parse(&parameters[i], m->parameters[i].standard, err);
+        code = code ? code : one;
+    }
+    for (int i = 0; i < m->n_states; i++) {
+        cns_code one = parse(&p->initial[i], systems[system].initial[i], err);
+        code = code ? code : one;
+        p->scales[i] = m->states[i].scale;
+    }
+    if (!code)
+        code = cns_model_program(m, parameters, &options, &p->program, err);
+    for (int i = 0; i < m->n_parameters; i++)
+        cns_number_clear(&parameters[i]);
+    cns_number_clear(&eps);
+    free(parameters);
+    return code;
+}
+
+cns_bench_problem *cns_bench_problem_new(cns_bench_system system, cns_error *err)
+{
+    cns_bench_problem *p = cns_xalloc(1, sizeof *p);
+    p->model = cns_model_find(systems[system].model);
+    p->initial = cns_xalloc((size_t)p->model->n_states, sizeof *p->initial);
+    p->scales = cns_xalloc((size_t)p->model->n_states, sizeof *p->scales);
+    if (build(p, system, err)) {
+        cns_bench_problem_free(p);
+        return NULL;
+    }
+    return p;
+}
+
+void cns_bench_problem_free(cns_bench_problem *p)
+{
+    if (!p)
+        return;
+    for (int i = 0; i < p->model->n_states; i++)
+        cns_number_clear(&p->initial[i]);
+    cns_program_free(p->program);
+    free(p->initial);
+    free(p->scales);
+    free(p);
+}
+
+int cns_bench_states(const cns_bench_problem *p)
+{
+    return p->model->n_states;
+}
+
+const cns_program *cns_bench_program(const cns_bench_problem *p)
+{
+    return p->program;
+}
+
+const cns_number *cns_bench_initial(const cns_bench_problem *p)
+{
+    return p->initial;
+}
+
+/* The kernel is chosen by the environment, which is put back as it was. */
+
+typedef struct kernel_choice {
+    char *before;
+} kernel_choice;
+
+static void choose_kernel(kernel_choice *c, cns_bench_engine engine)
+{
+    const char *before = getenv("CNS_KERNEL");
+    c->before = before ? cns_xcopy(before) : NULL;
+    if (engine != CNS_BENCH_MPFR)
+        setenv("CNS_KERNEL", engines[engine], 1);
+}
+
+static void put_back(kernel_choice *c)
+{
+    if (c->before)
+        setenv("CNS_KERNEL", c->before, 1);
+    else
+        unsetenv("CNS_KERNEL");
+    free(c->before);
+}
+
+bool cns_bench_has(cns_bench_engine engine)
+{
+    kernel_choice choice;
+    const char *name;
+    choose_kernel(&choice, engine);
+    bool has = engine == CNS_BENCH_MPFR || !cns_fast_kernel_name(&name, NULL);
+    put_back(&choice);
+    return has;
+}
+
+/* One run. */
+
+void cns_bench_run_clear(cns_bench_run *run)
+{
+    for (int i = 0; i < run->n; i++)
+        mpfr_clear(run->end[i]);
+    free(run->end);
+    free(run->each);
+    *run = (cns_bench_run){0};
+}
+
+/* Measured steps until `until` lies within the last one. */
+static cns_code reach(cns_flow *f, double until, cns_bench_run *run, cns_error *err)
+{
+    cns_code code = CNS_OK;
+    while (!code && mpfr_cmp_d(cns_flow_end(f), until) < 0) {
+        const double from = cns_process_seconds();
+        code = cns_flow_step(f, err);
+        run->each = cns_xgrow(run->each, (size_t)run->taken + 1, sizeof *run->each);
+        run->each[run->taken++] = cns_process_seconds() - from;
+    }
+    return code;
+}
+
+static void end_states(cns_flow *f, const cns_bench_problem *p, double until, cns_bench_run *run)
+{
+    run->n = cns_bench_states(p);
+    run->end = cns_xalloc((size_t)run->n, sizeof *run->end);
+    for (int i = 0; i < run->n; i++)
+        mpfr_init2(run->end[i], cns_flow_prec(f));
+    mpq_t time;
+    mpq_init(time);
+    mpq_set_d(time, until);
+    cns_flow_eval(f, time, run->end);
+    mpq_clear(time);
+}
+
+static cns_code follow(cns_flow *f, const cns_bench_problem *p, double until, cns_bench_run *run,
+                       cns_error *err)
+{
+    cns_flow_start(f, p->initial);
+    cns_code code = cns_flow_step(f, err);
+    if (code)
+        return code;
+    const double since = mpfr_get_d(cns_flow_end(f), MPFR_RNDN);
+    if ((code = reach(f, until, run, err)))
+        return code;
+    end_states(f, p, until, run);
+    if (run->taken == 0) /* a step at least, to have something to measure */
+        if ((code = reach(f, since * (1 + DBL_EPSILON), run, err)))
+            return code;
+    run->covered = mpfr_get_d(cns_flow_end(f), MPFR_RNDN) - since;
+    for (int i = 0; i < run->taken; i++)
+        run->seconds += run->each[i] / run->covered;
+    run->steps = run->taken / run->covered;
+    return CNS_OK;
+}
+
+cns_code cns_bench_measure(const cns_bench_problem *p, const cns_bench_job *job, cns_bench_run *run,
+                           cns_error *err)
+{
+    const double tolerance_log2 = -(double)job->digits * CNS_LOG2_10;
+    const cns_arithmetic arithmetic = job->engine == CNS_BENCH_MPFR ? CNS_ARITH_MPFR : CNS_ARITH_FAST;
+    cns_flow_spec spec = {.program = p->program,
+                          .scales = p->scales,
+                          .method = CNS_METHOD_TAYLOR,
+                          .arithmetic = arithmetic,
+                          .prec = cns_digits_to_bits(job->digits),
+                          .order = job->order ? job->order : cns_order_for(tolerance_log2, arithmetic),
+                          .tolerance_log2 = tolerance_log2,
+                          .stop = job->stop};
+    cns_bench_run_clear(run);
+    if (!cns_bench_has(job->engine))
+        return cns_fail(err, CNS_USAGE, "this machine has no kernel %s", engines[job->engine]);
+    kernel_choice choice;
+    choose_kernel(&choice, job->engine);
+    cns_flow *f = cns_flow_new(&spec, err);
+    put_back(&choice);
+    if (!f)
+        return err->code;
+    run->order = spec.order;
+    cns_code code = follow(f, p, job->until, run, err);
+    cns_flow_free(f);
+    return code;
+}
+
+double cns_bench_agreed(const cns_bench_problem *p, const mpfr_t *x, const mpfr_t *y)
+{
+    double least = HUGE_VAL;
+    mpfr_t d;
+    mpfr_init2(d, 64);
+    for (int i = 0; i < cns_bench_states(p); i++) {
+        long e;
+        mpfr_sub(d, x[i], y[i], MPFR_RNDN);
+        if (!cns_program_is_dynamic(p->program, i) || mpfr_zero_p(d))
+            continue;
+        double m = fabs(mpfr_get_d_2exp(&e, d, MPFR_RNDN)) / p->scales[i];
+        least = fmin(least, -cns_log10_2exp(m, e));
+    }
+    mpfr_clear(d);
+    return least;
+}
+
+static cns_bench_engine best_engine(void)
+{
+    return cns_bench_has(CNS_BENCH_IFMA) ? CNS_BENCH_IFMA : CNS_BENCH_PORTABLE;
+}
+
+cns_code cns_bench_reference(const cns_bench_problem *p, long digits, double until,
+                             const volatile sig_atomic_t *stop, cns_bench_run *run, cns_error *err)
+{
+    cns_bench_job job = {
+        .engine = best_engine(), .digits = digits + digits / 5 + 20, .until = until, .stop = stop};
+    return cns_bench_measure(p, &job, run, err);
+}
+
+/* Tables. */
+
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double cns_bench_median(const cns_bench_cell *cell)
+{
+    double sorted[CNS_BENCH_RUNS];
+    const int n = cell->runs;
+    memcpy(sorted, cell->seconds, (size_t)n * sizeof *sorted);
+    qsort(sorted, (size_t)n, sizeof *sorted, by_size);
+    return n % 2 ? sorted[n / 2] : 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]);
+}
+
+typedef struct filling {
+    const cns_bench_spec *spec;
+    cns_bench_row *rows;
+    int n;
+    double began;
+} filling;
+
+/* Seconds that one more run of a cell is expected to take: as before, or by what fewer digits took. Nothing
+ * is known of the first row of a system, which is then the cheapest. */
+static double expected(const filling *w, const cns_bench_row *row, cns_bench_engine engine)
+{
+    enum { PER_DECADE = 35 }; /* cost per unit of time against digits, tenths of an exponent */
+    const cns_bench_cell *cell = &row->cells[engine];
+    const cns_bench_row *known = cell->runs ? row : NULL;
+    for (const cns_bench_row *r = w->rows; r < row && !cell->runs; r++)
+        if (r->system == row->system && r->cells[engine].runs)
+            known = r;
+    if (!known)
+        return 0;
+    const cns_bench_cell *c = &known->cells[engine];
+    const double time = row->until + 2 / c->steps; /* the first step, and the last one's overshoot */
+    return time * cns_bench_median(c) * pow((double)row->digits / (double)known->digits, 0.1 * PER_DECADE);
+}
+
+static bool fits(const filling *w, double seconds)
+{
+    return w->spec->seconds <= 0 || cns_seconds() - w->began + seconds <= w->spec->seconds;
+}
+
+static void tell(filling *w, const cns_bench_row *row, cns_bench_engine engine, double fraction)
+{
+    char what[96];
+    if (!w->spec->progress)
+        return;
+    snprintf(what, sizeof what, "%s, %ld digits, %s", systems[row->system].name, row->digits,
+             engines[engine]);
+    w->spec->progress(w->spec->context, fraction, what);
+}
+
+/* A round of the cells of one row: each engine once, beginning with another one each time. */
+static cns_code fill_row(filling *w, const cns_bench_problem *p, cns_bench_row *row, int round,
+                         cns_error *err)
+{
+    enum { REFERENCE_COST = 2 }; /* in runs of the fastest engine */
+    cns_bench_run runs[CNS_BENCH_ENGINES] = {{0}}, reference = {0};
+    cns_code code = CNS_OK;
+    bool first = false;
+    for (int i = 0; i < CNS_BENCH_ENGINES && !code; i++) {
+        /* In the first round the fast ones first: where time is short they are what fits. */
+        const int turn = round == 0 ? CNS_BENCH_ENGINES - 1 - i : (round + i) % CNS_BENCH_ENGINES;
+        const cns_bench_engine engine = (cns_bench_engine)turn;
+        cns_bench_cell *cell = &row->cells[engine];
+        const double runs_ahead = round == 0 && !first ? 1 + REFERENCE_COST : 1;
+        if (cell->runs != round || !cns_bench_has(engine) || !fits(w, runs_ahead * expected(w, row, engine)))
+            continue;
+        const double fraction = w->spec->seconds > 0
+                                    ? (cns_seconds() - w->began) / w->spec->seconds
+                                    : ((double)(row - w->rows) / w->n + round) / w->spec->runs;
+        tell(w, row, engine, fmin(1, fraction));
+        const cns_bench_job job = {
+            .engine = engine, .digits = row->digits, .until = row->until, .stop = w->spec->stop};
+        code = cns_bench_measure(p, &job, &runs[engine], err);
+        if (code)
+            break;
+        cell->seconds[cell->runs++] = runs[engine].seconds;
+        cell->steps = runs[engine].steps;
+        cell->order = runs[engine].order;
+        first = round == 0;
+    }
+    if (!code && first)
+        code = cns_bench_reference(p, row->digits, row->until, w->spec->stop, &reference, err);
+    for (int i = 0; i < CNS_BENCH_ENGINES && !code && first; i++)
+        if (row->cells[i].runs)
+            row->cells[i].right =
+                cns_bench_agreed(p, (const mpfr_t *)runs[i].end, (const mpfr_t *)reference.end);
+    const cns_bench_run *a = &runs[CNS_BENCH_PORTABLE], *b = &runs[CNS_BENCH_IFMA];
+    for (int i = 0; i < a->n && b->n && !code; i++)
+        if (!mpfr_equal_p(a->end[i], b->end[i]))
+            code = cns_fail(err, CNS_NUMERIC, "%s, %ld digits: the kernels differ in state %d",
+                            systems[row->system].name, row->digits, i);
+    cns_bench_run_clear(&reference);
+    for (int i = 0; i < CNS_BENCH_ENGINES; i++)
+        cns_bench_run_clear(&runs[i]);
+    return code;
+}
+
+cns_code cns_bench_fill(const cns_bench_spec *spec, cns_bench_row *rows, int n, cns_error *err)
+{
+    filling w = {.spec = spec, .rows = rows, .n = n, .began = cns_seconds()};
+    cns_bench_problem *problems[CNS_BENCH_SYSTEMS] = {NULL};
+    cns_code code = CNS_OK;
+    for (int i = 0; i < n; i++)
+        memset(rows[i].cells, 0, sizeof rows[i].cells);
+    for (int i = 0; i < CNS_BENCH_SYSTEMS && !code; i++) {
+        problems[i] = cns_bench_problem_new((cns_bench_system)i, err);
+        code = problems[i] ? CNS_OK : err->code;
+    }
+    for (int round = 0; round < spec->runs && !code; round++)
+        for (int i = 0; i < n && !code; i++)
+            code = fill_row(&w, problems[rows[i].system], &rows[i], round, err);
+    for (int i = 0; i < CNS_BENCH_SYSTEMS; i++)
+        cns_bench_problem_free(problems[i]);
+    return code;
+}

@@ -1,0 +1,184 @@
+#include "write_table.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cns/version.h"
+#include "core/files.h"
+#include "core/memory.h"
+
+struct cns_table {
+    const cns_case *c;
+    char *path, *aside; /* NULL: standard output */
+    FILE *file;
+    bool begun, gone;
+};
+
+static cns_code failed(cns_table *t, int cause, cns_error *err)
+{
+    t->gone = !t->path && cause == EPIPE;
+    return cns_fail(err, t->gone ? CNS_STOPPED : CNS_IO, "cannot write %s: %s",
+                    t->path ? t->path : "to standard output", strerror(cause));
+}
+
+cns_table *cns_table_open(const char *path, const cns_case *c, cns_error *err)
+{
+    cns_table *t = cns_xalloc(1, sizeof *t);
+    t->c = c;
+    t->file = stdout;
+    if (!path)
+        return t;
+    t->path = cns_xcopy(path);
+    t->file = cns_file_create(path, &t->aside);
+    if (!t->file) {
+        failed(t, errno, err);
+        free(t->path);
+        free(t->aside);
+        free(t);
+        return NULL;
+    }
+    return t;
+}
+
+static cns_code flush(cns_table *t, cns_error *err)
+{
+    errno = 0;
+    if (fflush(t->file) != 0 || ferror(t->file))
+        return failed(t, errno ? errno : EIO, err);
+    return CNS_OK;
+}
+
+static void print_case(cns_table *t)
+{
+    const cns_case *c = t->c;
+    fprintf(t->file, "# cns %s: %s\n", CNS_VERSION, c->model->title);
+    fprintf(t->file, "# equations: %s\n", c->model->source);
+    fprintf(t->file, "# case: %s, SHA-256 %s\n", c->name, c->sha256);
+    for (const char *line = c->text; *line;) {
+        size_t length = strcspn(line, "\r\n");
+        fprintf(t->file, "# | %.*s\n", (int)length, line);
+        line += length;
+        line += strspn(line, "\r") ? strspn(line, "\r") : 0;
+        line += *line == '\n';
+    }
+    for (const char *line = c->overrides; line && *line;) {
+        size_t length = strcspn(line, "\n");
+        fprintf(t->file, "# override: %.*s\n", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+    fprintf(t->file, "# parameters:");
+    for (int i = 0; i < c->model->n_parameters; i++)
+        fprintf(t->file, "%s %s = %s", i ? "," : "", c->model->parameters[i].name, c->parameters[i].text);
+    fprintf(t->file, "\n# initial:");
+    for (int i = 0; i < c->model->n_states; i++)
+        fprintf(t->file, "%s %s = %s", i ? "," : "", c->model->states[i].name, c->initial[i].text);
+    if (c->smooth)
+        fprintf(t->file, "\n# abs: sqrt(a^2 + eps^2), eps = %s\n", c->eps.text);
+    else
+        fprintf(t->file, "\n# abs: exact\n");
+}
+
+static void print_numerics(FILE *out, const cns_case *c, long digits, mpfr_prec_t prec, int order)
+{
+    bool rk4 = c->has_numerics && c->numerics.method == CNS_METHOD_RK4;
+    if (digits > 0)
+        fprintf(out, "%ld digits (%ld bits)", digits, (long)prec);
+    else
+        fprintf(out, "double (53 bits)");
+    if (rk4)
+        fprintf(out, ", classical Runge-Kutta method of order 4");
+    else
+        fprintf(out, ", Taylor series of order %d", order);
+}
+
+cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err)
+{
+    const cns_case *c = t->c;
+    FILE *out = t->file;
+    if (!t->begun)
+        print_case(t);
+    fprintf(out, t->begun ? "# again, with: " : "# method: ");
+    print_numerics(out, c, run->digits, run->prec, run->order);
+    if (c->has_numerics && c->numerics.fixed_step)
+        fprintf(out, ", fixed step %s", c->numerics.step.text);
+    if (run->proof_prec) {
+        fprintf(out, "\n# proof: a second run of ");
+        print_numerics(out, c, run->proof_digits, run->proof_prec, run->proof_order);
+        fprintf(
+            out,
+            ", other steps;\n#   convergence under refinement, measured growth and pointwise derivatives; "
+            "not interval arithmetic");
+    }
+    fputc('\n', out);
+    if (!t->begun) {
+        if (!run->proof_prec)
+            fprintf(out, "# UNPROVEN\n");
+        fprintf(out, "# kernel: %s\n# libraries: MPFR %s, GMP %s\n", run->kernel, mpfr_get_version(),
+                gmp_version);
+        for (int i = 0; i < c->n_columns; i++)
+            fprintf(out, "%s,", cns_case_column_name(c, i));
+        fprintf(out, "decimals,growth\n");
+    }
+    t->begun = true;
+    return flush(t, err);
+}
+
+cns_code cns_table_row(cns_table *t, const cns_row *row, cns_error *err)
+{
+    for (int i = 0; i < t->c->n_columns; i++)
+        fprintf(t->file, "%s,", row->text[i]);
+    if (row->decimals >= 0)
+        fprintf(t->file, "%ld", row->decimals);
+    double growth = row->growth < 0 && row->growth > -0.0005 ? 0 : row->growth; /* no -0.000 */
+    fprintf(t->file, ",%.3f\n", growth);
+    return flush(t, err);
+}
+
+static void dispose(cns_table *t)
+{
+    free(t->path);
+    free(t->aside);
+    free(t);
+}
+
+cns_code cns_table_close(cns_table *t, const char *reason, cns_error *err)
+{
+    cns_code code;
+    if (reason)
+        fprintf(t->file, "# stopped: %s\n", reason);
+    else
+        fprintf(t->file, "# complete\n");
+    code = flush(t, err);
+    if (t->path) {
+        errno = 0;
+        if (!code && t->aside && fsync(fileno(t->file)) != 0)
+            code = failed(t, errno, err);
+        if (fclose(t->file) != 0 && !code)
+            code = failed(t, errno, err);
+        if (t->aside) {
+            if (!code && rename(t->aside, t->path) != 0)
+                code = failed(t, errno, err);
+            if (code)
+                unlink(t->aside);
+        }
+    }
+    dispose(t);
+    return code;
+}
+
+void cns_table_abandon(cns_table *t)
+{
+    if (t->path) {
+        fclose(t->file);
+        if (t->aside)
+            unlink(t->aside);
+    }
+    dispose(t);
+}
+
+bool cns_table_reader_gone(const cns_table *t)
+{
+    return t->gone;
+}

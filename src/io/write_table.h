@@ -1,0 +1,29 @@
+/* Tables: `#` lines of provenance, a header row, comma-separated rows, a last line that says how it ended. */
+#ifndef CNS_IO_WRITE_TABLE_H
+#define CNS_IO_WRITE_TABLE_H
+
+#include "cns/case.h"
+#include "cns/solve.h"
+#include "cns/status.h"
+
+typedef struct cns_table cns_table;
+
+/* path NULL: standard output. Else the table is written beside path, and renamed to it when it is closed;
+ * nothing is left behind, and an older file stays, when it cannot be written. */
+cns_table *cns_table_open(const char *path, const cns_case *c, cns_error *err);
+
+/* The provenance and the header row at the first call; later ones note a new attempt. */
+cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err);
+cns_code cns_table_row(cns_table *t, const cns_row *row, cns_error *err);
+
+/* Ends the table: `# complete`, or `# stopped: REASON` if reason is not NULL. Frees t, whatever the result.
+ * CNS_IO: it could not be written; CNS_STOPPED: the reader of standard output has gone. */
+cns_code cns_table_close(cns_table *t, const char *reason, cns_error *err);
+
+/* The same without writing anything more and without a file left at path. */
+void cns_table_abandon(cns_table *t);
+
+/* The reader of standard output has gone (EPIPE). */
+bool cns_table_reader_gone(const cns_table *t);
+
+#endif

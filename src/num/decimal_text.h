@@ -1,0 +1,25 @@
+/* Decimal texts of multiprecision numbers, correctly rounded (to nearest; a tie, which only a number known
+ * exactly can be, to even), and the question whether a number with an error bound has a certain text. */
+#ifndef CNS_NUM_DECIMAL_TEXT_H
+#define CNS_NUM_DECIMAL_TEXT_H
+
+#include <gmp.h>
+#include <mpfr.h>
+#include <stdbool.h>
+
+#include "cns/number.h"
+
+typedef enum cns_places {
+    CNS_PLACES_DECIMALS,   /* so many digits after the point: -0.0123; never -0.0000 */
+    CNS_PLACES_SIGNIFICANT /* so many significant digits: -1.23e-02; zero is 0 */
+} cns_places;
+
+/* New strings, the caller's to free. count >= 0 decimals, or >= 1 significant digits. */
+char *cns_text_mpfr(mpfr_srcptr x, cns_places places, long count);
+char *cns_text_mpq(mpq_srcptr x, cns_places places, long count);
+char *cns_text_number(const cns_number *x, cns_places places, long count);
+
+/* Do x - e and x + e have the same text? Then so has every number between. NaN has none. */
+bool cns_text_certain(mpfr_srcptr x, mpfr_srcptr e, cns_places places, long count);
+
+#endif

@@ -1,0 +1,261 @@
+#include "cost.h"
+
+#include <math.h>
+
+#include "core/clock.h"
+#include "integrate/trajectory.h"
+#include "num/logs.h"
+#include "solve_internal.h"
+#include "taylor/jet.h"
+
+enum {
+    LEVELS = 3,
+    LEAST_LEVEL = 10, /* digits */
+    MOST_STEPS = 40,  /* measured at each level */
+    /* Digits that are measured: steps of more take seconds to hours. Time beyond follows the power of the
+     * digits that it has below, memory their square: series as long as their terms. */
+    MOST_MEASURED = 1000,
+    /* The program, its libraries, stacks and the tables of MPFR: measured on Linux. */
+    PROGRAM_BYTES = 4 << 20
+};
+
+static const double measuring_part = 1.0 / 600; /* of the time predicted, for each level of each run */
+
+typedef struct level {
+    double digits, step, row; /* seconds */
+} level;
+
+static double two_to(double x)
+{
+    long e;
+    double m = cns_exp2_2exp(x, &e);
+    return ldexp(m, (int)e);
+}
+
+static double level_digits(int i)
+{
+    return ldexp(LEAST_LEVEL, i);
+}
+
+/* Steps that a smoothed kink costs to a run of so many digits. It has singularities as near to the real axis
+ * as the smoothing is narrow, eps. At a distance d of them, d > eps, steps are d 10^(-D/order), where D are
+ * the digits that what is singular there still has of all: it is of the order d^3, as for |u| u with u linear
+ * in d. Integrated over log d from 1 to eps, on both sides; that other terms limit steps, too, is the factor,
+ * which fits runs with eps from 1e-4 to 1e-16 and 42 to 132 digits to 20 %. */
+static double crossing_steps(double digits, double eps_log2)
+{
+    const double order = cns_order_for(-digits * CNS_LOG2_10, CNS_ARITH_FAST);
+    const double last = fmax(0, digits + 3 * eps_log2 * CNS_LOG10_2);
+    return 0.78 * 2 * order / 3 * (pow(10, digits / order) - pow(10, last / order));
+}
+
+/* Is the step one of those across a smoothed kink, which are tallied together when they are over? */
+static bool crosses(cns_tally *y, int at, double h_log2, double own)
+{
+    enum { NARROW = 3, WIDE = 2 };
+    const double here = fmin(own, h_log2);
+    if (y->crossing && here > y->wide - WIDE) {
+        for (int i = 0; i < CNS_TALLY_LEVELS; i++)
+            y->part[at].steps[i] += crossing_steps(level_digits(i), y->least - y->wide);
+        y->crossing = false;
+        y->wide = here;
+    } else if (!y->crossing && y->begun && here < y->wide - NARROW) {
+        y->crossing = true;
+        y->least = here;
+    }
+    y->wide = y->begun ? fmax(y->wide, here) : here;
+    y->least = fmin(y->least, here);
+    return y->crossing;
+}
+
+void cns_tally_step(void *tally, const cns_flow *f)
+{
+    cns_tally *y = tally;
+    const cns_program *p = y->spec->program;
+    const double from = mpfr_get_d(cns_flow_begin(f), MPFR_RNDN),
+                 h = mpfr_get_d(cns_flow_end(f), MPFR_RNDN) - from;
+    const int at = from < y->end ? (int)(from / y->end * CNS_PLAN_PARTS) : CNS_PLAN_PARTS - 1;
+    double own, other;
+    bool told = cns_flow_reach(f, y->spec->tolerance_log2, y->spec->order, &own);
+    if (told && cns_program_is_smooth(p) && !cns_jet_is_sharp(p, y->spec->prec) &&
+        crosses(y, at, cns_log2_2exp(h, 0), own))
+        return;
+    if (cns_flow_landed(f))
+        y->part[at].landings++;
+    else if (told && h < 0.7 * two_to(own)) {
+        y->part[at].approaches++;
+        return;
+    }
+    for (int i = 0; i < CNS_TALLY_LEVELS; i++) {
+        const double tolerance = -level_digits(i) * CNS_LOG2_10;
+        const int order = cns_order_for(tolerance, CNS_ARITH_FAST);
+        if (!told)
+            y->part[at].steps[i]++;
+        if (!told || !cns_flow_reach(f, tolerance, order, &other))
+            continue;
+        /* The fast arithmetic wants to know the step beforehand: one is no longer than the last might be. */
+        y->part[at].steps[i] += h / two_to((y->begun ? fmin(other, y->before[i]) : other) - 1.0 / order);
+        y->before[i] = other;
+    }
+    y->begun = y->begun || told;
+}
+
+/* Steps in part i of a run with this spec. */
+static double steps_in(const cns_tally *y, int i, const cns_flow_spec *spec, long digits)
+{
+    const cns_program *p = spec->program;
+    const double l = cns_log2_2exp((double)digits / LEAST_LEVEL, 0);
+    const int below = l < 0 ? 0 : l < CNS_TALLY_LEVELS - 1 ? (int)l : CNS_TALLY_LEVELS - 2;
+    const double a = y->part[i].steps[below], b = y->part[i].steps[below + 1];
+    double steps = (a + (b - a) * fmax(0, l - below)) * two_to(spec->safety) + y->part[i].approaches;
+    /* Landing on a kink ends a step early, and the next ones are short: measured, 1.5 are lost. What has been
+     * landed on may be smooth at more digits. */
+    if (cns_program_is_smooth(p) && !cns_jet_is_sharp(p, spec->prec))
+        return steps + y->part[i].landings * crossing_steps((double)digits, cns_program_smooth_log2(p));
+    return steps + 1.5 * y->part[i].landings;
+}
+
+/* A step takes the trajectory just beyond the end of its last one, and a second look at the same time
+ * tells the cost of a row. The first step of all is not counted: it has more to do. False if nothing could
+ * be measured. */
+static bool measure(const cns_problem *p, const cns_flow_spec *spec, bool growth, double steps, level *l,
+                    double *memory)
+{
+    cns_trajectory_spec of = {
+        .flow = *spec, .initial = p->initial, .outputs = cns_wants_outputs(p), .no_growth = !growth};
+    cns_error ignored;
+    cns_trajectory *t = cns_trajectory_new(&of, &ignored);
+    cns_sample s = {0};
+    mpq_t time, little;
+    long counted = 0;
+    int turn = 0;
+    double spent = 0, in_steps = 0, in_rows = 0;
+    mpq_inits(time, little, (mpq_ptr)0);
+    mpq_set_ui(little, 1, 1);
+    mpq_div_2exp(little, little, 60);
+    if (t && cns_sample_init(&s, p->program, cns_flow_prec(cns_trajectory_flow(t)))) {
+        cns_flow *f = cns_trajectory_flow(t);
+        bool enough = false;
+        for (; !enough && turn < MOST_STEPS; turn++) {
+            const long before = cns_flow_steps(f);
+            mpfr_get_q(time, cns_flow_end(f));
+            mpq_add(time, time, little);
+            double a = cns_thread_seconds();
+            if (cns_trajectory_at(t, time, &s, &ignored))
+                break;
+            double b = cns_thread_seconds();
+            if (cns_trajectory_at(t, time, &s, &ignored))
+                break;
+            double c = cns_thread_seconds();
+            spent += c - a;
+            if (turn == 0)
+                continue;
+            counted += cns_flow_steps(f) - before;
+            in_steps += fmax(0, (b - a) - (c - b));
+            in_rows += c - b;
+            enough = spent > measuring_part * steps * in_steps / (double)counted;
+        }
+        if (memory)
+            *memory += (double)cns_flow_bytes(f);
+    }
+    if (counted > 0) {
+        l->step = in_steps / (double)counted;
+        l->row = in_rows / (turn > 1 ? turn - 1 : 1);
+    }
+    cns_trajectory_free(t);
+    cns_sample_clear(&s);
+    mpq_clears(time, little, (mpq_ptr)0);
+    return counted > 0;
+}
+
+/* y at x on the line through two points, all in logarithms. */
+static double between(double x, double x0, double y0, double x1, double y1)
+{
+    if (x1 == x0 || !(y0 > 0) || !(y1 > 0))
+        return y1;
+    return y0 * exp(log(y1 / y0) * log(x / x0) / log(x1 / x0));
+}
+
+static void cost_at(const level *l, int levels, double digits, double *step, double *row)
+{
+    int i = 1;
+    while (i < levels - 1 && digits < l[i].digits)
+        i++;
+    if (levels == 1)
+        i = 0;
+    const level *a = &l[i > 0 ? i - 1 : 0], *b = &l[i];
+    *step = between(digits, a->digits, a->step, b->digits, b->step);
+    *row = between(digits, a->digits, a->row, b->digits, b->row);
+}
+
+/* The digits of a run in part i of its schedule. */
+static long digits_in(const cns_flow_spec *spec, int i, long most)
+{
+    long digits = spec->schedule->digits[i] + spec->schedule_shift;
+    return digits < most ? digits : most;
+}
+
+static cns_flow_spec spec_for(const cns_problem *p, const cns_flow_spec *like, long digits)
+{
+    cns_flow_spec spec = cns_taylor_spec(p, digits);
+    spec.safety = like->safety;
+    spec.verify = true;
+    return spec;
+}
+
+/* part[i]: what part i of the time takes; the sum is returned. */
+static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long digits, bool growth,
+                          const cns_tally *tally, double rows, double *part, double *steps, double *memory)
+{
+    const int parts = run->schedule->n;
+    const long last = digits_in(run, parts - 1, digits);
+    long asked[LEVELS] = {digits, lround(sqrt((double)digits * (double)last)), last};
+    if (digits > MOST_MEASURED) {
+        asked[0] = MOST_MEASURED;
+        asked[1] = asked[2] = MOST_MEASURED * 7 / 10;
+    }
+    level l[LEVELS];
+    int levels = 0;
+    double seconds = 0, bytes = 0;
+    *steps = 0;
+    for (int i = 0; i < parts; i++) {
+        const long here = digits_in(run, i, digits);
+        cns_flow_spec spec = spec_for(p, run, here);
+        *steps += steps_in(tally, i, &spec, here);
+    }
+    for (int i = 0; i < LEVELS; i++) {
+        if (i > 0 && asked[i] == asked[i - 1])
+            continue;
+        cns_flow_spec spec = spec_for(p, run, asked[i]);
+        l[levels].digits = (double)asked[i];
+        if (measure(p, &spec, growth, *steps, &l[levels], i == 0 ? &bytes : NULL))
+            levels++;
+    }
+    *memory += bytes * pow((double)digits / (double)asked[0], 2);
+    for (int i = 0; i < parts && levels > 0; i++) {
+        const long here = digits_in(run, i, digits);
+        cns_flow_spec spec = spec_for(p, run, here);
+        double step, row;
+        cost_at(l, levels, (double)here, &step, &row);
+        part[i] = steps_in(tally, i, &spec, here) * step + rows / parts * row;
+        seconds += part[i];
+    }
+    return seconds;
+}
+
+void cns_cost_predict(const cns_problem *p, const cns_flow_spec *fine, const cns_flow_spec *coarse,
+                      const cns_tally *tally, cns_run_info *plan)
+{
+    const double rows = cns_number_get_d(p->end) / cns_number_get_d(p->every);
+    double in_printed[CNS_PLAN_PARTS] = {0}, in_proof[CNS_PLAN_PARTS] = {0};
+    double ignored, memory = PROGRAM_BYTES, sum = 0;
+    double printed =
+        run_seconds(p, fine, plan->digits, false, tally, rows, in_printed, &plan->steps, &memory);
+    double proof = run_seconds(p, coarse, plan->proof_digits, true, tally, rows, in_proof, &ignored, &memory);
+    plan->seconds = p->threads > 1 ? fmax(printed, proof) : printed + proof;
+    for (int i = 0; i < CNS_PLAN_PARTS; i++) {
+        sum += in_printed[i] + in_proof[i];
+        plan->done[i] = printed + proof > 0 ? fmin(1, sum / (printed + proof)) : (i + 1.0) / CNS_PLAN_PARTS;
+    }
+    plan->memory = memory;
+}

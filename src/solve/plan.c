@@ -1,0 +1,184 @@
+/* How many digits a goal needs: from the growth of noise along a preliminary run in double precision with
+ * tangents, and a margin for what that run cannot know. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/clock.h"
+#include "cost.h"
+#include "num/logs.h"
+#include "solve_internal.h"
+
+enum {
+    DOUBLE_DIGITS = 16,
+    DOUBLE_ORDER = 22,
+    DOUBLE_TOLERANCE_LOG2 = -54,
+    SPARE_DIGITS = 5, /* noise constants of a step, and few straddles */
+    LEAST_DIGITS = 10,
+    WINDOWS = 64
+};
+
+/* The text of column c of a sample needs so many decimals beyond the goal's count. */
+static double extra_places(const cns_problem *p, const cns_goal *goal, const cns_sample *s)
+{
+    double most = 0;
+    if (goal->places == CNS_PLACES_DECIMALS)
+        return 0;
+    for (int i = 0; i < p->n_columns; i++) {
+        const cns_column *c = &p->columns[i];
+        if (c->kind == CNS_COLUMN_TIME)
+            continue;
+        mpfr_srcptr x = c->kind == CNS_COLUMN_STATE ? s->state[c->index] : s->output[c->index];
+        long e;
+        if (!mpfr_regular_p(x))
+            continue;
+        double m = fabs(mpfr_get_d_2exp(&e, x, MPFR_RNDN));
+        most = fmax(most, -cns_log10_2exp(m, e));
+    }
+    return most;
+}
+
+/* The digits that noise made from each origin on may cost any later row: what it grows to, at most, and a
+ * margin for the part of the way that the preliminary run cannot know. */
+typedef struct needs {
+    int n;
+    double time[CNS_GROWTH_ORIGINS];
+    double from[CNS_GROWTH_ORIGINS]; /* the goal's places and the growth to the row that needs most */
+} needs;
+
+static void add_needs(needs *need, cns_growth *g, double places)
+{
+    for (; need->n < cns_growth_marks(g); need->n++) {
+        need->time[need->n] = cns_growth_origin(g, need->n);
+        need->from[need->n] = places;
+    }
+    for (int i = 0; i < need->n; i++)
+        need->from[i] = fmax(need->from[i], places + fmax(0, cns_growth_since(g, i)));
+}
+
+/* Digits for steps that begin in each part of [0, end]. Noise of many steps adds up, as a random walk. */
+static void fill_schedule(cns_schedule *schedule, const needs *need, double end, double spread,
+                          double trusted, double steps)
+{
+    double later = 0;
+    int origin = need->n - 1;
+    schedule->end = end;
+    schedule->n = CNS_PLAN_PARTS;
+    for (int i = schedule->n - 1; i >= 0; i--) {
+        double begin = end * i / schedule->n;
+        double unknown = fmax(0, end - fmax(trusted, begin));
+        /* The origins within the part, and the last one before it: steps can be longer than parts. */
+        bool before = false;
+        for (; origin >= 0 && !before; origin -= !before) {
+            later = fmax(later, need->from[origin] + 3.5 * spread * sqrt(unknown));
+            before = need->time[origin] <= begin;
+        }
+        schedule->digits[i] = (long)ceil(later + 0.5 * cns_log10_2exp(fmax(1, steps), 0)) + SPARE_DIGITS + 2;
+        if (schedule->digits[i] < LEAST_DIGITS)
+            schedule->digits[i] = LEAST_DIGITS;
+    }
+}
+
+cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_schedule *schedule,
+                  cns_error *err)
+{
+    cns_trajectory_spec spec = {.flow = cns_taylor_spec(p, DOUBLE_DIGITS),
+                                .initial = p->initial,
+                                .outputs = cns_wants_outputs(p) && goal->places == CNS_PLACES_SIGNIFICANT,
+                                .deadline = goal->max_time > 0 ? cns_seconds() + goal->max_time : 0,
+                                .origins = true,
+                                .end = cns_number_get_d(p->end),
+                                .stepped = cns_tally_step,
+                                .unit_noise = -1e-9}; /* one unit per step */
+    const double since = cns_thread_seconds();
+    cns_tally tally = {.spec = &spec.flow, .end = spec.end};
+    spec.context = &tally;
+    spec.flow.arithmetic = CNS_ARITH_DOUBLE;
+    spec.flow.portable = true;
+    spec.flow.order = DOUBLE_ORDER;
+    spec.flow.tolerance_log2 = DOUBLE_TOLERANCE_LOG2;
+    *plan = (cns_run_info){.attempt = 1, .planned = true};
+    if (p->stop && *p->stop)
+        return cns_fail(err, CNS_STOPPED, "stopped");
+
+    cns_trajectory *t = cns_trajectory_new(&spec, err);
+    cns_sample s = {0};
+    mpq_t time;
+    mpq_init(time);
+    if (!t || !cns_sample_init(&s, p->program, 53)) {
+        cns_trajectory_free(t);
+        cns_sample_clear(&s);
+        mpq_clear(time);
+        return t ? cns_fail(err, CNS_NUMERIC, "out of memory") : err->code;
+    }
+
+    /* Past the time at which double precision is used up, the run follows another trajectory of the same
+     * kind: growth there is known in the mean, and fluctuates about it like a random walk whose variance
+     * per unit of time is that of the increments seen. */
+    cns_error failure = {0};
+    double end = cns_number_get_d(p->end), need = 0, growth = 0, trusted = end;
+    double window = end / WINDOWS, window_start = 0, at_start = 0, sum = 0, sum2 = 0;
+    int windows = 0;
+    needs by_origin = {0};
+    cns_code code = CNS_OK;
+    for (unsigned long row = 0; !code && cns_row_time(p, row, time); row++) {
+        code = cns_trajectory_at(t, time, &s, &failure);
+        if (code)
+            break;
+        plan->followed = mpq_equal(time, p->end->ratio) ? end : mpq_get_d(time); /* rounded as the end is */
+        double now = plan->followed, g = s.error_log2 > 0 ? s.error_log2 * CNS_LOG10_2 : 0;
+        if (now - window_start >= window) {
+            double rate = (g - at_start) / (now - window_start);
+            sum += rate * (now - window_start);
+            sum2 += (g - at_start) * (g - at_start) / (now - window_start);
+            windows++;
+            window_start = now;
+            at_start = g;
+        }
+        if (trusted >= end && g > DOUBLE_DIGITS - 3)
+            trusted = now;
+        growth = fmax(growth, g);
+        const double places = (double)goal->count + extra_places(p, goal, &s);
+        need = fmax(need, places + g);
+        add_needs(&by_origin, cns_trajectory_growth(t), places);
+    }
+    if (code == CNS_STOPPED) {
+        code = cns_trajectory_late(t) ? cns_fail(err, CNS_UNREACHED, "max_time is used up while planning")
+                                      : cns_fail(err, CNS_STOPPED, "%s", failure.text);
+    } else {
+        /* A preliminary run that failed tells what it could; the run itself will tell why. */
+        if (code)
+            *err = failure;
+        code = CNS_OK;
+        need = fmax(need, (double)goal->count);
+        double mean = end > 0 ? sum / end : 0;
+        double variance = windows > 1 ? fmax(0, (sum2 - mean * sum) / windows) : 0;
+        double untrusted = fmax(0, end - trusted);
+        plan->growth = growth;
+        plan->margin = 3.5 * sqrt(variance * untrusted);
+        fill_schedule(schedule, &by_origin, end, sqrt(variance), trusted,
+                      (double)cns_flow_steps(cns_trajectory_flow(t)));
+        long digits = (long)ceil(need + plan->margin) + SPARE_DIGITS + 2;
+        if (digits < LEAST_DIGITS)
+            digits = LEAST_DIGITS;
+        /* Neither estimate is exact: the first part takes the larger, and no part has more. */
+        if (schedule->digits[0] < digits)
+            schedule->digits[0] = digits;
+        digits = schedule->digits[0];
+        plan->proof_digits = digits;
+        plan->digits = digits + CNS_PROOF_DIGITS;
+        cns_flow_spec fine, coarse;
+        cns_proof_specs(p, plan->digits, schedule, 0, &fine, &coarse);
+        plan->prec = fine.prec;
+        plan->order = fine.order;
+        plan->proof_prec = coarse.prec;
+        plan->proof_order = coarse.order;
+        cns_cost_predict(p, &fine, &coarse, &tally, plan);
+        plan->seconds += cns_thread_seconds() - since;
+        if (p->stop && *p->stop) /* while it measured, which then tells nothing */
+            code = cns_fail(err, CNS_STOPPED, "stopped");
+    }
+    cns_trajectory_free(t);
+    cns_sample_clear(&s);
+    mpq_clear(time);
+    return code;
+}

@@ -1,0 +1,455 @@
+#include "cns/study/classify.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/memory.h"
+#include "cycle.h"
+#include "num/decimal_text.h"
+#include "num/logs.h"
+#include "returns.h"
+
+enum {
+    SECOND_DIGITS = 30, /* of the run that confirms one in double */
+    MORE_DIGITS = 22,   /* another limb, so that no constant is rounded in the same place */
+    PRINTED = 10,       /* decimals, at most */
+    SAFETY_LOG2 = 4,    /* by which the difference of two runs is enlarged */
+    JOINT_LOG2 = -30,   /* of a period: so near to its end is at its end */
+    ROUNDS = 12,
+    CYCLE_LEAST_BITS = 60 /* of a cycle's state after one repetition */
+};
+
+static const double same_log2 = -18; /* reduced returns of two runs this near belong to the same cycle */
+
+const char *cns_mode_name(cns_mode mode)
+{
+    static const char *const names[] = {"undecided", "steady", "flutter", "tumble", "periodic", "chaotic"};
+    return names[mode];
+}
+
+const char *cns_symmetry_name(cns_symmetry symmetry)
+{
+    static const char *const names[] = {"none", "mirror", "turn"};
+    return names[symmetry];
+}
+
+void cns_motion_clear(cns_motion *m)
+{
+    free(m->period);
+    free(m->amplitude);
+    free(m->descent);
+    for (int i = 0; m->drift != NULL && i < m->n_states; i++)
+        free(m->drift[i]);
+    free(m->drift);
+    for (int i = 0; i < m->extrema; i++)
+        free(m->maximum[i]);
+    memset(m, 0, sizeof *m);
+}
+
+static long gcd(long a, long b)
+{
+    return b == 0 ? a : gcd(b, a % b);
+}
+
+/* How often the cycle repeats, up to symmetry, until it does so up to whole revolutions. */
+static long repetitions(const cns_return_map *S, const cns_cycle *c)
+{
+    if (c->mirrored)
+        return 2; /* mirror images turn back what was turned */
+    return S->motion == NULL ? 1 : S->motion->turns / gcd(labs(c->turns), S->motion->turns);
+}
+
+/* One period, measured in one arithmetic. */
+typedef struct measures {
+    int n; /* period, amplitude, drifts of all states, maxima */
+    mpfr_t value[2 + 2 * CNS_MOTION_EXTREMA];
+    int maxima, drift; /* where the drifts begin, how many maxima follow them */
+    long winding;
+} measures;
+
+static void clear_measures(measures *m)
+{
+    for (int i = 0; i < m->n; i++)
+        mpfr_clear(m->value[i]);
+}
+
+static bool is_dynamic(const cns_return_map *S, int state)
+{
+    return cns_program_is_dynamic(S->program, state);
+}
+
+/* The state with which a period begins: the cycle's, as the trajectory itself has it, at the origin. */
+static void set_start(const cns_return_map *S, const cns_late *late, const cns_cycle *c, long *turns,
+                      cns_number *start)
+{
+    cns_error err;
+    *turns = 0;
+    for (int i = 0; i < S->n; i++)
+        cns_number_parse(&start[i], "0", &err);
+    if (S->motion != NULL) {
+        char text[64];
+        *turns = (late->turns % S->motion->turns + S->motion->turns) % S->motion->turns;
+        snprintf(text, sizeof text, "%ld*2*pi/%d", *turns, S->motion->turns);
+        if (*turns != 0)
+            cns_number_parse(&start[S->section.state], text, &err);
+    } else {
+        cns_number_set(&start[S->section.state], &S->section.value);
+    }
+    mpfr_t x;
+    mpfr_init2(x, mpfr_get_prec(c->z[0]));
+    for (int i = 0; i < S->d; i++) {
+        if (S->index[i] == S->section.state)
+            continue;
+        mpfr_mul_si(x, c->z[i], cns_system_sign(S, i, *turns, late->side), MPFR_RNDN);
+        cns_number_from_mpfr(&start[S->index[i]], x);
+    }
+    mpfr_clear(x);
+}
+
+static void drop_first_maximum(measures *m, int n_states)
+{
+    m->maxima--;
+    for (int i = 0; i < m->maxima; i++)
+        mpfr_swap(m->value[m->drift + n_states + i], m->value[m->drift + n_states + i + 1]);
+}
+
+static cns_code measure(const cns_return_map *S, const cns_late *late, const cns_cycle *c, long digits,
+                        measures *m, cns_error *err)
+{
+    const mpfr_prec_t prec = cns_study_bits(digits);
+    const cns_flow_spec spec = cns_study_flow(S->study, S->program, S->study->scales, digits);
+    const long wanted = repetitions(S, c) * c->returns;
+    const int swinging = S->motion != NULL ? S->motion->angle : S->observable;
+    cns_number *start = cns_xalloc((size_t)S->n, sizeof *start);
+    cns_event_condition sections[3];
+    cns_code code = CNS_OK;
+    long turns, seen = 0;
+    *m = (measures){.drift = 2, .n = 2 + S->n};
+    for (int i = 0; i < 2 + 2 * CNS_MOTION_EXTREMA; i++) {
+        mpfr_init2(m->value[i], prec);
+        mpfr_set_zero(m->value[i], 1);
+    }
+    m->n = 2 + 2 * CNS_MOTION_EXTREMA;
+    mpfr_t low, high, first, last; /* first: the time of the first maximum; last: when to stop looking */
+    mpfr_inits2(prec, low, high, first, last, (mpfr_ptr)0);
+    mpfr_set_inf(low, 1);
+    mpfr_set_inf(high, -1);
+    for (int i = 0; i < S->n; i++)
+        cns_number_init(&start[i]);
+    set_start(S, late, c, &turns, start);
+    sections[0] = S->section;
+    for (int k = 1; k < 3; k++) {
+        cns_event_condition_init(&sections[k]);
+        sections[k].kind = CNS_CONDITION_EXTREMUM;
+        sections[k].state = k == 1 ? S->observable : swinging;
+    }
+    cns_flow *f = cns_flow_new(&spec, err);
+    cns_meetings *s = cns_meetings_new(sections, 3, S->n, S->study->scales, prec, err);
+    if (f == NULL || s == NULL)
+        code = err->code;
+    if (!code) {
+        cns_flow_start(f, start);
+        cns_meetings_start(s);
+    }
+    /* A maximum may lie at the joint of two periods, as for a pendulum that goes round: it counts at the end
+     * of one, and not at the beginning, whatever noise does to its time. */
+    while (!code && (seen < wanted || mpfr_less_p(cns_flow_end(f), last))) {
+        code = cns_flow_step(f, err);
+        if (!code)
+            code = cns_meetings_follow(s, f, err);
+        if (!code && cns_flow_steps(f) > 100 * S->limit)
+            code = cns_fail(err, CNS_UNREACHED, "the cycle does not close");
+        for (int i = 0; i < cns_meetings_count(s) && !code; i++) {
+            const cns_meeting *at = cns_meetings_meeting(s, i);
+            if (seen == wanted && mpfr_greater_p(at->time, last))
+                break;
+            if (at->section == 0 && seen < wanted &&
+                cns_system_counts(S, at, late->direction * (S->motion ? late->side : 1))) {
+                if (++seen < wanted)
+                    continue;
+                mpfr_set(m->value[0], at->time, MPFR_RNDN);
+                mpfr_mul_2si(last, at->time, JOINT_LOG2, MPFR_RNDN);
+                if (m->maxima > 0 && mpfr_less_p(first, last))
+                    drop_first_maximum(m, S->n);
+                mpfr_add(last, last, at->time, MPFR_RNDN);
+                for (int k = 0; k < S->n; k++)
+                    if (!is_dynamic(S, k))
+                        mpfr_set(m->value[m->drift + k], at->state[k], MPFR_RNDN);
+                m->winding = S->motion != NULL ? (at->k - turns) / S->motion->turns : 0;
+            } else if (at->section == 1 && at->direction < 0 && m->maxima < CNS_MOTION_EXTREMA) {
+                if (m->maxima == 0)
+                    mpfr_set(first, at->time, MPFR_RNDN);
+                mpfr_set(m->value[m->drift + S->n + m->maxima++], at->state[S->observable], MPFR_RNDN);
+            } else if (at->section == 2) {
+                mpfr_min(low, low, at->state[swinging], MPFR_RNDN);
+                mpfr_max(high, high, at->state[swinging], MPFR_RNDN);
+            }
+        }
+    }
+    mpfr_sub(m->value[1], high, low, MPFR_RNDN);
+    mpfr_div_2ui(m->value[1], m->value[1], 1, MPFR_RNDN);
+    cns_meetings_free(s);
+    cns_flow_free(f);
+    for (int k = 1; k < 3; k++)
+        cns_event_condition_clear(&sections[k]);
+    for (int i = 0; i < S->n; i++)
+        cns_number_clear(&start[i]);
+    free(start);
+    mpfr_clears(low, high, first, last, (mpfr_ptr)0);
+    return code;
+}
+
+/* What two measurements agree on, of fine, as text; NULL: not even its integer part. */
+static char *agreed(mpfr_srcptr coarse, mpfr_srcptr fine, double noise_log2)
+{
+    mpfr_t e, x;
+    char *text = NULL;
+    mpfr_inits2(64, e, x, (mpfr_ptr)0);
+    mpfr_sub(e, fine, coarse, MPFR_RNDA);
+    mpfr_abs(e, e, MPFR_RNDN);
+    mpfr_set_d(x, noise_log2, MPFR_RNDU);
+    mpfr_exp2(x, x, MPFR_RNDU);
+    mpfr_max(e, e, x, MPFR_RNDU);
+    mpfr_mul_2ui(e, e, SAFETY_LOG2, MPFR_RNDU);
+    for (long decimals = PRINTED; decimals >= 0 && text == NULL; decimals--)
+        if (cns_text_certain(fine, e, CNS_PLACES_DECIMALS, decimals))
+            text = cns_text_mpfr(fine, CNS_PLACES_DECIMALS, decimals);
+    mpfr_clears(e, x, (mpfr_ptr)0);
+    return text;
+}
+
+/* Fills the motion from a cycle, found and measured in two precisions. */
+static cns_code describe(const cns_return_map *S, const cns_late *late, const cns_cycle *coarse,
+                         const cns_cycle *fine, long coarse_digits, long fine_digits, cns_motion *motion,
+                         cns_error *err)
+{
+    measures a, b;
+    cns_code code = measure(S, late, coarse, coarse_digits, &a, err);
+    if (code) {
+        clear_measures(&a);
+        return code;
+    }
+    code = measure(S, late, fine, fine_digits, &b, err);
+    if (code || a.winding != b.winding || a.maxima != b.maxima) {
+        if (!code)
+            snprintf(motion->note, sizeof motion->note, "two measurements of a period do not agree");
+        clear_measures(&a);
+        clear_measures(&b);
+        return code;
+    }
+    const double noise = 10 + fmax(0, fine->growth_log2) - (double)cns_study_bits(coarse_digits);
+    const bool angle = S->study->model->motion != NULL;
+    motion->mode = !angle ? CNS_MODE_PERIODIC : b.winding == 0 ? CNS_MODE_FLUTTER : CNS_MODE_TUMBLE;
+    motion->symmetry = fine->mirrored             ? CNS_SYMMETRY_MIRROR
+                       : repetitions(S, fine) > 1 ? CNS_SYMMETRY_TURN
+                                                  : CNS_SYMMETRY_NONE;
+    motion->winding = b.winding;
+    motion->returns = fine->returns;
+    motion->multiplier = fine->multiplier;
+    motion->lambda = motion->lambda_se = 0;
+    motion->period = agreed(a.value[0], b.value[0], noise);
+    if (b.winding == 0)
+        motion->amplitude = agreed(a.value[1], b.value[1], noise);
+    motion->drift = cns_xalloc((size_t)S->n, sizeof *motion->drift);
+    motion->n_states = S->n;
+    for (int i = 0; i < S->n; i++)
+        if (!is_dynamic(S, i))
+            motion->drift[i] = agreed(a.value[a.drift + i], b.value[b.drift + i], noise);
+    if (angle && S->study->model->motion->height >= 0) {
+        const int h = S->study->model->motion->height;
+        mpfr_t *const both[] = {a.value, b.value};
+        for (int k = 0; k < 2; k++) { /* the amplitude's place is free now */
+            mpfr_div(both[k][1], both[k][2 + h], both[k][0], MPFR_RNDN);
+            mpfr_neg(both[k][1], both[k][1], MPFR_RNDN);
+        }
+        motion->descent = agreed(a.value[1], b.value[1], noise);
+    }
+    for (int i = 0; i < b.maxima; i++) {
+        char *text = agreed(a.value[a.drift + S->n + i], b.value[b.drift + S->n + i], noise);
+        if (text != NULL)
+            motion->maximum[motion->extrema++] = text;
+    }
+    clear_measures(&a);
+    clear_measures(&b);
+    return CNS_OK;
+}
+
+/* Returns that alternate about a cycle while they approach it repeat every second time before they repeat
+ * every time: replaces c by the cycle of the fewest returns that it is a multiple of. */
+static cns_code reduce_cycle(const cns_return_map *S, long digits, cns_cycle *c, cns_error *err)
+{
+    for (int n = 1; n < c->returns; n++) {
+        cns_cycle part;
+        if (c->returns % n != 0)
+            continue;
+        cns_code code = cns_cycle_find(S, (const mpfr_t *)c->z, n, c->direction, digits, &part, err);
+        double gap = HUGE_VAL;
+        if (!code) {
+            gap = 0;
+            for (int i = 0; i < S->d; i++)
+                gap = fmax(gap, fabs(mpfr_get_d(part.z[i], MPFR_RNDN) - mpfr_get_d(c->z[i], MPFR_RNDN)) /
+                                    S->study->scales[S->index[i]]);
+        }
+        if (gap < exp2(2 * same_log2)) {
+            cns_cycle_clear(c);
+            *c = part;
+            return CNS_OK;
+        }
+        cns_cycle_clear(&part);
+        if (code && code != CNS_UNREACHED)
+            return code;
+    }
+    return CNS_OK;
+}
+
+/* The cycle near a late motion, in two precisions; the motion's mode stays undecided where there is none or
+ * where it does not attract, or where these digits are too few. */
+static cns_code settle_cycle(const cns_return_map *S, const cns_late *late, long digits,
+                             bool *short_of_digits, cns_motion *motion, cns_error *err)
+{
+    cns_cycle coarse = {0}, fine = {0};
+    const mpfr_t *z = (const mpfr_t *)late->z;
+    const long coarse_digits = digits > 0 ? digits : SECOND_DIGITS, fine_digits = coarse_digits + MORE_DIGITS;
+    cns_code code = cns_cycle_find(S, z, late->returns, late->direction, coarse_digits, &coarse, err);
+    /* What grows within one repetition, as near a saddle, takes digits of its own. */
+    *short_of_digits =
+        code == CNS_NUMERIC ||
+        (!code && coarse.growth_log2 > (double)cns_study_bits(coarse_digits) - CYCLE_LEAST_BITS);
+    if (*short_of_digits) {
+        cns_cycle_clear(&coarse);
+        return CNS_OK;
+    }
+    if (!code)
+        code = reduce_cycle(S, coarse_digits, &coarse, err);
+    if (!code)
+        code = cns_cycle_find(S, (const mpfr_t *)coarse.z, coarse.returns, late->direction, fine_digits,
+                              &fine, err);
+    if (code == CNS_UNREACHED) {
+        snprintf(motion->note, sizeof motion->note, "returns repeat, but %.200s", err->text);
+        code = CNS_OK;
+    } else if (!code && !(fine.multiplier < 1)) {
+        snprintf(motion->note, sizeof motion->note,
+                 "the motion comes near a cycle that does not attract (multiplier %.6g)", fine.multiplier);
+    } else if (!code) {
+        code = describe(S, late, &coarse, &fine, coarse_digits, fine_digits, motion, err);
+    }
+    cns_cycle_clear(&coarse);
+    cns_cycle_clear(&fine);
+    return code;
+}
+
+/* Have two runs found the same? Their last returns may be at different places of the same cycle. */
+static bool same(const cns_return_map *S, const cns_late *a, const cns_late *b)
+{
+    if (a->kind != b->kind || a->returns != b->returns || a->direction != b->direction)
+        return false;
+    if (a->kind != CNS_LATE_CYCLE)
+        return a->kind != CNS_LATE_OPEN;
+    double least = HUGE_VAL;
+    for (int k = 0; k < b->returns; k++) {
+        double gap = 0;
+        for (int i = 0; i < S->d; i++)
+            gap = fmax(gap, fabs(mpfr_get_d(a->z[i], MPFR_RNDN) - mpfr_get_d(b->z[k * S->d + i], MPFR_RNDN)) /
+                                S->study->scales[S->index[i]]);
+        least = fmin(least, gap);
+    }
+    return least < exp2(same_log2);
+}
+
+/* Digits for the next run: enough for the noise that this one has seen grow, were it as long as the horizon.
+ */
+static long more_digits(long digits, const cns_late *late, double horizon)
+{
+    const double base = -(double)cns_study_bits(digits);
+    const double grown = (late->noise_log2 - base) * CNS_LOG10_2 * fmax(1, horizon / late->time);
+    const long needed = (long)fmin(grown, 1e6) + 12;
+    const long least = digits == 0 ? SECOND_DIGITS : digits + MORE_DIGITS;
+    return needed > least ? needed : least;
+}
+
+static void state_chaos(const cns_late *late, cns_motion *motion)
+{
+    motion->mode = CNS_MODE_CHAOTIC;
+    const int most = (int)(sizeof late->extremum / sizeof *late->extremum);
+    const int n = late->extrema < most ? late->extrema : most;
+    for (int i = 0; i < n; i++) {
+        char text[32];
+        snprintf(text, sizeof text, "%.6g", late->extremum[(late->extrema - n + i) % most]);
+        motion->maximum[motion->extrema++] = cns_xcopy(text);
+    }
+}
+
+/* How long a run with digits has to last: longer than it took others to settle; and longer than the last one
+ * did, if that was trusted so long. */
+static double next_horizon(double horizon, const cns_late *late)
+{
+    if (late->kind == CNS_LATE_OPEN && late->trusted_time > 0.9 * horizon)
+        return 2 * late->time;
+    return fmax(horizon, 1.5 * late->time);
+}
+
+cns_code cns_classify(const cns_study *s, const cns_classify_spec *spec, cns_motion *motion, cns_error *err)
+{
+    cns_return_map S;
+    cns_late last = {0}, late = {0};
+    long digits = 0;
+    double horizon = 0;
+    bool have_last = false, done = false;
+    *motion = (cns_motion){.lambda_se = -1};
+    cns_code code = cns_system_open(&S, s, spec->observable, spec->until, err);
+    for (int round = 0; round < ROUNDS && !code && !done; round++) {
+        char what[96];
+        bool short_of_digits = false;
+        snprintf(what, sizeof what,
+                 digits > 0 ? "following the motion with %ld digits" : "following the motion", digits);
+        cns_study_progress(s, (double)round / (round + 2.0), what);
+        code = cns_late_find(&S, digits, horizon, &late, err);
+        if (code)
+            break;
+        motion->digits = digits;
+        motion->lambda = late.lambda;
+        motion->lambda_se = late.lambda_se;
+        motion->transient = late.transient;
+        motion->time = late.time;
+        done = true;
+        if (late.kind == CNS_LATE_CHAOS && (digits == 0 || late.trusted)) {
+            state_chaos(&late, motion);
+        } else if (late.kind == CNS_LATE_STEADY && have_last && same(&S, &last, &late)) {
+            if (cns_late_attracts(&S, &late))
+                motion->mode = CNS_MODE_STEADY;
+            else
+                snprintf(motion->note, sizeof motion->note,
+                         "the motion comes to rest at a state that does not attract it");
+        } else if (late.kind == CNS_LATE_CYCLE && late.trusted && have_last && same(&S, &last, &late)) {
+            code = settle_cycle(&S, &late, digits, &short_of_digits, motion, err);
+            done = !short_of_digits;
+        } else if (late.kind == CNS_LATE_OPEN && late.trusted) {
+            snprintf(motion->note, sizeof motion->note,
+                     "neither a repetition nor a positive exponent up to t = %.6g", late.time);
+        } else {
+            done = false;
+        }
+        if (!done && !code) {
+            horizon = next_horizon(horizon, &late);
+            digits = more_digits(digits, &late, horizon);
+            if (digits > spec->max_digits) {
+                snprintf(motion->note, sizeof motion->note,
+                         "to follow this trajectory into its late motion takes %ld digits, more than %ld",
+                         digits, spec->max_digits);
+                done = true;
+            }
+        }
+        cns_late_clear(&last);
+        last = late;
+        have_last = true;
+        late = (cns_late){0};
+    }
+    if (!done && !code)
+        snprintf(motion->note, sizeof motion->note, "runs of different precision do not agree");
+    cns_late_clear(&last);
+    cns_late_clear(&late);
+    cns_system_close(&S);
+    return code;
+}

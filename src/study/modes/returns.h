@@ -1,0 +1,89 @@
+/* The motion as a sequence of returns to a section, with the symmetries taken out: its late part found by
+ * following the case's own trajectory. Private to src/study. */
+#ifndef CNS_STUDY_MODES_RETURNS_H
+#define CNS_STUDY_MODES_RETURNS_H
+
+#include "cns/study.h"
+#include "integrate/meetings.h"
+
+/* What is followed, and what counts as a return. With an angle: angle = k (2 pi / turns), any k; a return's
+ * reduced state is its state turned back k times and, where the angle falls and there is a mirror image,
+ * mirrored, so that all motions that are the same up to these symmetries have the same reduced states.
+ * Without an angle: a state rises through a level that it crosses in its late motion. */
+typedef struct cns_return_map {
+    const cns_study *study;
+    const cns_model_motion
+        *motion; /* NULL: no angle, or one that does not turn or swing through its section */
+    cns_program *program;
+    int n, d;   /* states; dynamic ones */
+    int *index; /* of the dynamic states */
+    cns_event_condition section;
+    int observable;
+    long limit;   /* steps a trajectory is followed for, at most */
+    double until; /* time to follow it for instead; 0: the limit */
+} cns_return_map;
+
+cns_code cns_system_open(cns_return_map *S, const cns_study *study, int observable, double until,
+                         cns_error *err);
+void cns_system_close(cns_return_map *S);
+
+/* The factor that takes dynamic state i of a return to its reduced state. */
+int cns_system_sign(const cns_return_map *S, int i, long turns, int direction);
+
+/* Does a meeting with the section count as a return, after one of this direction (0: the first)? */
+bool cns_system_counts(const cns_return_map *S, const cns_meeting *m, int before);
+
+enum { CNS_MOST_RETURNS = 32 }; /* in one repetition */
+
+typedef enum cns_late_kind {
+    CNS_LATE_OPEN, /* nothing of the others within the limit */
+    CNS_LATE_STEADY,
+    CNS_LATE_CYCLE,
+    CNS_LATE_CHAOS
+} cns_late_kind;
+
+typedef struct cns_late {
+    cns_late_kind kind;
+    int returns;         /* cycle: in one repetition up to symmetry */
+    int direction;       /* of the angle at z; 1 where reduced states are mirrored */
+    int d;               /* numbers in a reduced state */
+    int side;            /* the angle's true direction at the last return */
+    long turns;          /* and its turns there */
+    mpfr_t *z;           /* cycle: the reduced states of its last `returns` returns, the last one first */
+    long cycle_turns;    /* turns of the angle in one repetition */
+    bool cycle_mirrored; /* it ends in the mirror image */
+    double gap_log2;     /* and how far it was from the one before, in scales */
+    double *rest;        /* steady: d dynamic states, */
+    bool *moves;         /* and which of them have not stayed exactly what they were at first */
+    bool looks_chaotic;  /* growth is surely exponential, whatever the kind */
+    bool trusted;        /* noise has never grown to what could decide anything */
+    double trusted_time; /* up to the last return at which it had not */
+    double noise_log2;   /* the most that it has grown to at a return, in scales */
+    double lambda, lambda_se; /* exponent of the second half of the time followed; se < 0: too short */
+    double transient;         /* the late motion is there from this time on */
+    double time;              /* followed up to */
+    long steps;
+    int extrema; /* chaos: the last maxima of the observable */
+    double extremum[64];
+} cns_late;
+
+/* digits 0: double. What looks chaotic is followed to the limit: it may be a transient. With digits > 0 a run
+ * whose noise could decide something ends as CNS_LATE_OPEN at the horizon, a time, or, if that is 0, when it
+ * looks chaotic. */
+cns_code cns_late_find(const cns_return_map *S, long digits, double horizon, cns_late *late, cns_error *err);
+void cns_late_clear(cns_late *late);
+
+/* CNS_LATE_STEADY: is that more than a stay near a saddle? It is if the fixed point attracts all states that
+ * move; those that have not moved at all, by a symmetry, never will. */
+bool cns_late_attracts(const cns_return_map *S, const cns_late *late);
+
+/* Working precision for so many digits; 0: that of double. */
+mpfr_prec_t cns_study_bits(long digits);
+
+/* Flows of this study's accuracy: Taylor, adaptive; digits 0: double. */
+cns_flow_spec cns_study_flow(const cns_study *s, const cns_program *p, const double *scales, long digits);
+
+/* A number whose value is exactly x. */
+void cns_number_from_mpfr(cns_number *n, mpfr_srcptr x);
+
+#endif

@@ -1,0 +1,339 @@
+#include "cns/study/compare.h"
+
+#include <mpfr.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cns/model.h"
+#include "core/memory.h"
+#include "core/text.h"
+#include "num/exact_decimal.h"
+
+enum { PREC = 64 };
+
+/* A column that both tables have. */
+typedef struct column {
+    int a, b; /* its number in either */
+    double scale;
+} column;
+
+typedef struct side {
+    const cns_rows *rows;
+    cns_exact_decimal time, before, value;
+    bool begun, more;
+    long count;
+} side;
+
+typedef struct comparison {
+    const cns_compare_spec *spec;
+    cns_compare_result *r;
+    side a, b;
+    column *column;
+    long *each;
+    mpz_t d, left, right;
+    mpfr_t norm, term, power, delta;
+} comparison;
+
+static void side_init(side *s, const cns_rows *rows)
+{
+    *s = (side){.rows = rows};
+    cns_exact_decimal_init(&s->time);
+    cns_exact_decimal_init(&s->before);
+    cns_exact_decimal_init(&s->value);
+}
+
+static void side_clear(side *s)
+{
+    cns_exact_decimal_clear(&s->time);
+    cns_exact_decimal_clear(&s->before);
+    cns_exact_decimal_clear(&s->value);
+}
+
+static bool is_quantity(const comparison *c, int i)
+{
+    const cns_rows *a = c->spec->a, *b = c->spec->b;
+    const char *name = a->name(a->context, i);
+    const bool about = !strcmp(name, "decimals") || !strcmp(name, "growth");
+    return i != a->time && name[0] != '\0' && !(about && (a->ours || b->ours));
+}
+
+static int find_column(const cns_rows *rows, const char *name)
+{
+    for (int i = 0; i < rows->n; i++)
+        if (i != rows->time && !strcmp(rows->name(rows->context, i), name))
+            return i;
+    return -1;
+}
+
+static cns_code match_columns(comparison *c, cns_error *err)
+{
+    const cns_rows *a = c->spec->a, *b = c->spec->b;
+    cns_compare_result *r = c->r;
+    const size_t room = (size_t)a->n;
+    c->column = cns_xalloc(room, sizeof *c->column);
+    c->each = cns_xalloc(room, sizeof *c->each);
+    r->name = cns_xalloc(room, sizeof *r->name);
+    r->in_norm = cns_xalloc(room, sizeof *r->in_norm);
+    r->tc = cns_xalloc(room, sizeof *r->tc);
+    r->last = cns_xalloc(room, sizeof *r->last);
+    for (int i = 0; i < a->n; i++) {
+        const char *name = a->name(a->context, i);
+        const int j = is_quantity(c, i) ? find_column(b, name) : -1;
+        if (j < 0)
+            continue;
+        c->column[r->n] = (column){.a = i, .b = j, .scale = 1};
+        r->name[r->n++] = cns_xcopy(name);
+    }
+    if (r->n == 0)
+        return cns_fail(err, CNS_USAGE, "the two tables have no column in common but the time");
+    return CNS_OK;
+}
+
+/* Where the tables name a model, both the same or only one of them, its dynamic states make the norm; else,
+ * or without any of those, all columns do. */
+static cns_code choose_norm(comparison *c, cns_error *err)
+{
+    const char *a = c->spec->a->model, *b = c->spec->b->model;
+    cns_compare_result *r = c->r;
+    const cns_model *m = a && b && strcmp(a, b) != 0 ? NULL
+                         : a                         ? cns_model_find(a)
+                         : b                         ? cns_model_find(b)
+                                                     : NULL;
+    bool any = false;
+    if (m) {
+        cns_program *program;
+        const cns_program_options options = {0};
+        cns_number *standard = cns_xalloc((size_t)m->n_parameters, sizeof *standard);
+        cns_code code = CNS_OK;
+        for (int i = 0; i < m->n_parameters; i++) {
+            cns_number_init(&standard[i]);
+            if (!code)
+                code = cns_number_parse(&standard[i], m->parameters[i].standard, err);
+        }
+        if (!code)
+            code = cns_model_program(m, standard, &options, &program, err);
+        for (int i = 0; i < m->n_parameters; i++)
+            cns_number_clear(&standard[i]);
+        free(standard);
+        if (code)
+            return code;
+        for (int k = 0; k < r->n; k++)
+            for (int i = 0; i < m->n_states; i++)
+                if (!strcmp(r->name[k], m->states[i].name) && cns_program_is_dynamic(program, i)) {
+                    r->in_norm[k] = any = true;
+                    c->column[k].scale = m->states[i].scale;
+                }
+        cns_program_free(program);
+        if (any)
+            r->model = m->name;
+    }
+    for (int k = 0; k < r->n && !any; k++)
+        r->in_norm[k] = true;
+    return CNS_OK;
+}
+
+/* To the next row, and its time. */
+static cns_code advance(side *s, cns_error *err)
+{
+    const cns_rows *rows = s->rows;
+    mpz_swap(s->before.digits, s->time.digits);
+    s->before.exponent = s->time.exponent;
+    cns_code code = rows->next(rows->context, &s->more, err);
+    if (code || !s->more)
+        return code;
+    const char *text = rows->text(rows->context, rows->time);
+    const char *why = text ? cns_exact_decimal_parse(&s->time, text) : "a time is missing";
+    if (!why && s->begun && cns_exact_decimal_cmp(&s->time, &s->before) <= 0)
+        why = "times must increase";
+    if (why)
+        return rows->refuse(rows->context, rows->time, why, err);
+    s->begun = true;
+    s->count++;
+    return CNS_OK;
+}
+
+/* The value in column i; *text NULL: it is missing. */
+static cns_code read_value(side *s, int i, const char **text, cns_error *err)
+{
+    const cns_rows *rows = s->rows;
+    *text = rows->text(rows->context, i);
+    const char *why = *text ? cns_exact_decimal_parse(&s->value, *text) : NULL;
+    return why ? rows->refuse(rows->context, i, why, err) : CNS_OK;
+}
+
+/* |d| 10^e > delta |b|, exactly; e is not above b's exponent. */
+static bool beyond_delta(comparison *c, long e, const cns_exact_decimal *b)
+{
+    const cns_number *delta = c->spec->delta;
+    mpz_ui_pow_ui(c->left, 10, (unsigned long)(b->exponent - e));
+    mpz_mul(c->right, b->digits, c->left);
+    mpz_mul(c->right, c->right, mpq_numref(delta->ratio));
+    mpz_mul(c->left, c->d, mpq_denref(delta->ratio));
+    return mpz_cmpabs(c->left, c->right) > 0;
+}
+
+/* Adds d 10^e / scale to the norm. */
+static void add_to_norm(comparison *c, long e, double scale)
+{
+    mpfr_set_z(c->term, c->d, MPFR_RNDN);
+    mpfr_ui_pow_ui(c->power, 10, (unsigned long)labs(e), MPFR_RNDN);
+    if (e < 0)
+        mpfr_div(c->term, c->term, c->power, MPFR_RNDN);
+    else
+        mpfr_mul(c->term, c->term, c->power, MPFR_RNDN);
+    mpfr_div_d(c->term, c->term, scale, MPFR_RNDN);
+    mpfr_hypot(c->norm, c->norm, c->term, MPFR_RNDN);
+}
+
+static void note_difference(comparison *c, int k, const char *t, const char *a, const char *b)
+{
+    cns_compare_result *r = c->r;
+    if (r->differs)
+        return;
+    r->differs = true;
+    r->first.column = k;
+    r->first.t = cns_xcopy(t);
+    r->first.a = cns_xcopy(a);
+    r->first.b = cns_xcopy(b);
+}
+
+static void set_text(char **to, const char *text)
+{
+    free(*to);
+    *to = cns_xcopy(text);
+}
+
+static long decimals_of(const cns_exact_decimal *x)
+{
+    return -x->exponent;
+}
+
+/* Both sides are at rows of the same time. */
+static cns_code compare_row(comparison *c, cns_error *err)
+{
+    cns_compare_result *r = c->r;
+    const char *t = c->a.rows->text(c->a.rows->context, c->a.rows->time);
+    long least = LONG_MAX, given = CNS_COMPARE_NOTHING;
+    bool whole = true; /* no value of the norm is missing */
+    mpfr_set_zero(c->norm, 1);
+    for (int k = 0; k < r->n; k++) {
+        const char *a, *b;
+        cns_code code = read_value(&c->a, c->column[k].a, &a, err);
+        if (!code)
+            code = read_value(&c->b, c->column[k].b, &b, err);
+        if (code)
+            return code;
+        c->each[k] = CNS_COMPARE_NOTHING;
+        if (!a || !b) {
+            whole = whole && !r->in_norm[k];
+            continue;
+        }
+        const long da = decimals_of(&c->a.value), db = decimals_of(&c->b.value), shorter = da < db ? da : db;
+        const long e = cns_exact_decimal_difference(c->d, &c->a.value, &c->b.value);
+        c->each[k] = shorter;
+        if (shorter > given)
+            given = shorter;
+        set_text(&r->last[k], t);
+        if (mpz_sgn(c->d) == 0)
+            continue;
+        const long agreed = cns_exact_decimal_agreed(c->d, e);
+        if (agreed < shorter) {
+            c->each[k] = agreed;
+            note_difference(c, k, t, a, b);
+        }
+        if (c->each[k] < least)
+            least = c->each[k];
+        if (!r->tc[k] && beyond_delta(c, e, &c->b.value))
+            r->tc[k] = cns_xcopy(t);
+        if (r->in_norm[k] && !r->norm_tc)
+            add_to_norm(c, e, c->column[k].scale);
+    }
+    if (!r->norm_tc && mpfr_cmp(c->norm, c->delta) > 0) /* of a part, if values are missing, and so of all */
+        r->norm_tc = cns_xcopy(t);
+    if (whole)
+        set_text(&r->norm_last, t);
+    r->common++;
+    c->spec->row(c->spec->context, t, least < LONG_MAX ? least : given, c->each);
+    return CNS_OK;
+}
+
+/* From a row without a partner to the next: its values are only read, since a table that is broken anywhere
+ * is not to be trusted. */
+static cns_code skip(comparison *c, side *s, cns_error *err)
+{
+    cns_code code = CNS_OK;
+    const char *text;
+    for (int k = 0; k < c->r->n && !code; k++)
+        code = read_value(s, s == &c->a ? c->column[k].a : c->column[k].b, &text, err);
+    return code ? code : advance(s, err);
+}
+
+static cns_code merge(comparison *c, cns_error *err)
+{
+    cns_code code = advance(&c->a, err);
+    if (!code)
+        code = advance(&c->b, err);
+    while (!code && (c->a.more || c->b.more)) {
+        const int order = !c->b.more ? -1 : !c->a.more ? 1 : cns_exact_decimal_cmp(&c->a.time, &c->b.time);
+        if (order != 0) {
+            code = skip(c, order < 0 ? &c->a : &c->b, err);
+            continue;
+        }
+        code = compare_row(c, err);
+        if (!code)
+            code = advance(&c->a, err);
+        if (!code)
+            code = advance(&c->b, err);
+    }
+    return code;
+}
+
+cns_code cns_compare(const cns_compare_spec *spec, cns_compare_result *result, cns_error *err)
+{
+    comparison c = {.spec = spec, .r = result};
+    *result = (cns_compare_result){0};
+    side_init(&c.a, spec->a);
+    side_init(&c.b, spec->b);
+    mpz_inits(c.d, c.left, c.right, (mpz_ptr)0);
+    mpfr_inits2(PREC, c.norm, c.term, c.power, c.delta, (mpfr_ptr)0);
+    cns_number_get_mpfr(c.delta, spec->delta);
+    cns_code code = match_columns(&c, err);
+    if (!code)
+        code = choose_norm(&c, err);
+    if (!code && spec->begin)
+        spec->begin(spec->context, result->n, (const char *const *)result->name);
+    if (!code)
+        code = merge(&c, err);
+    result->rows_a = c.a.count;
+    result->rows_b = c.b.count;
+    if (!code && result->common == 0)
+        code = cns_fail(err, CNS_USAGE,
+                        "the two tables have no time in common (%ld and %ld rows): nothing is interpolated",
+                        c.a.count, c.b.count);
+    side_clear(&c.a);
+    side_clear(&c.b);
+    mpz_clears(c.d, c.left, c.right, (mpz_ptr)0);
+    mpfr_clears(c.norm, c.term, c.power, c.delta, (mpfr_ptr)0);
+    free(c.column);
+    free(c.each);
+    return code;
+}
+
+void cns_compare_result_clear(cns_compare_result *r)
+{
+    for (int k = 0; k < r->n; k++) {
+        free(r->name[k]);
+        free(r->tc[k]);
+        free(r->last[k]);
+    }
+    free(r->name);
+    free(r->tc);
+    free(r->in_norm);
+    free(r->norm_tc);
+    free(r->last);
+    free(r->norm_last);
+    free(r->first.t);
+    free(r->first.a);
+    free(r->first.b);
+    *r = (cns_compare_result){0};
+}

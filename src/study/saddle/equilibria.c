@@ -1,0 +1,239 @@
+#include "cns/study/equilibria.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/memory.h"
+#include "fixed_point.h"
+#include "num/decimal_text.h"
+#include "num/logs.h"
+
+enum { GUARD_BITS = 64, TRIES = 4, MAX_SIZE_BITS = 1 << 20 };
+
+/* The fixed points that were found, in ball arithmetic. */
+typedef struct find {
+    const cns_study *s;
+    cns_reduced reduced;
+    cns_model_guess guess[CNS_MODEL_MAX_GUESSES];
+    double start[CNS_MODEL_MAX_GUESSES][CNS_MODEL_MAX_STATES]; /* of the dynamic states */
+    bool found[CNS_MODEL_MAX_GUESSES];
+    cns_fixed_point point[CNS_MODEL_MAX_GUESSES];
+    int n;
+    char missing[512]; /* why some were not found */
+} find;
+
+static cns_code stopped(const cns_study *s, cns_error *err)
+{
+    return s->stop != NULL && *s->stop ? cns_fail(err, CNS_STOPPED, "stopped") : CNS_OK;
+}
+
+static void miss(find *f, int i, const cns_error *why)
+{
+    const size_t used = strlen(f->missing);
+    snprintf(f->missing + used, sizeof f->missing - used, "%s%s: %s", used > 0 ? "; " : "", f->guess[i].name,
+             why->text);
+}
+
+/* All points at a precision. */
+static cns_code locate(find *f, slong prec, cns_error *err)
+{
+    cns_code code = CNS_OK;
+    f->missing[0] = '\0';
+    for (int i = 0; i < f->n && !code; i++) {
+        cns_error why;
+        code = stopped(f->s, err);
+        cns_study_progress(f->s, (double)i / f->n, f->guess[i].name);
+        f->found[i] = !code && !cns_fixed_point_find(&f->reduced, f->start[i], prec, &f->point[i], &why);
+        if (!code && !f->found[i])
+            miss(f, i, &why);
+    }
+    return code;
+}
+
+/* The text of a ball, or NULL when its ends have different texts. */
+static char *text_of(const arb_t x, long decimals)
+{
+    mpfr_t low, high, radius;
+    const slong size = arf_is_special(arb_midref(x)) ? 0 : arf_abs_bound_lt_2exp_si(arb_midref(x));
+    char *text = NULL;
+    if (!arb_is_finite(x) || size > MAX_SIZE_BITS)
+        return NULL;
+    mpfr_inits2((slong)((double)decimals * CNS_LOG2_10) + (size > 0 ? size : 0) + 2 * GUARD_BITS, low, high,
+                radius, (mpfr_ptr)0);
+    arb_get_interval_mpfr(low, high, x);
+    mpfr_sub(radius, high, low, MPFR_RNDU);
+    mpfr_div_2ui(radius, radius, 1, MPFR_RNDU);
+    mpfr_add(low, low, radius, MPFR_RNDN);
+    mpfr_mul_ui(radius, radius, 2, MPFR_RNDU); /* for the rounding of the middle; nothing else was lost */
+    if (cns_text_certain(low, radius, CNS_PLACES_DECIMALS, decimals))
+        text = cns_text_mpfr(low, CNS_PLACES_DECIMALS, decimals);
+    mpfr_clears(low, high, radius, (mpfr_ptr)0);
+    return text;
+}
+
+static void clear_item(cns_equilibrium *e, int d)
+{
+    for (int k = 0; k < d; k++) {
+        if (e->state != NULL)
+            free(e->state[k]);
+        if (e->eigenvalues != NULL) {
+            free(e->eigenvalues[k].re);
+            free(e->eigenvalues[k].im);
+        }
+    }
+    free(e->name);
+    free(e->state);
+    free(e->eigenvalues);
+    *e = (cns_equilibrium){0};
+}
+
+static const char *stability(const cns_fixed_point *p, int stable, int unstable)
+{
+    bool spiral = false;
+    for (int k = 0; k < p->d; k++)
+        spiral = spiral || !arb_contains_zero(acb_imagref(p->lambda + k));
+    if (stable + unstable < p->d)
+        return "not hyperbolic";
+    if (unstable == 0)
+        return spiral ? "stable focus" : "stable node";
+    if (stable == 0)
+        return spiral ? "unstable focus" : "unstable node";
+    return spiral ? "saddle-focus" : "saddle";
+}
+
+/* False: not all texts are certain. */
+static bool describe(const cns_fixed_point *p, const char *name, long decimals, cns_equilibrium *e)
+{
+    const int d = p->d;
+    bool certain = true;
+    *e = (cns_equilibrium){.name = cns_xcopy(name),
+                           .state = cns_xalloc((size_t)d, sizeof *e->state),
+                           .eigenvalues = cns_xalloc((size_t)d, sizeof *e->eigenvalues)};
+    for (int k = 0; k < d; k++) {
+        cns_eigenvalue *l = &e->eigenvalues[k];
+        e->state[k] = text_of(p->x + k, decimals);
+        l->re = text_of(acb_realref(p->lambda + k), decimals);
+        l->im =
+            cns_fixed_point_is_real(p, k) ? cns_xcopy("0") : text_of(acb_imagref(p->lambda + k), decimals);
+        certain = certain && e->state[k] != NULL && l->re != NULL && l->im != NULL;
+        e->stable += arb_is_negative(acb_realref(p->lambda + k)) != 0;
+        e->unstable += arb_is_positive(acb_realref(p->lambda + k)) != 0;
+    }
+    e->stability = stability(p, e->stable, e->unstable);
+    return certain;
+}
+
+/* Two guesses may lead to one point. */
+static bool seen_before(const find *f, int i)
+{
+    for (int j = 0; j < i; j++) {
+        bool same = f->found[j];
+        for (int k = 0; k < f->reduced.d && same; k++)
+            same = arb_overlaps(f->point[i].x + k, f->point[j].x + k) != 0;
+        if (same)
+            return true;
+    }
+    return false;
+}
+
+static bool describe_all(const find *f, long decimals, cns_equilibria *e)
+{
+    bool certain = true;
+    for (int i = 0; i < e->n; i++)
+        clear_item(&e->item[i], e->d);
+    e->n = 0;
+    e->decimals = decimals;
+    for (int i = 0; i < f->n && certain; i++)
+        if (f->found[i] && !seen_before(f, i))
+            certain = describe(&f->point[i], f->guess[i].name, decimals, &e->item[e->n++]);
+    return certain;
+}
+
+static cns_code search(find *f, long decimals, cns_equilibria *e, cns_error *err)
+{
+    cns_code code = CNS_OK;
+    bool certain = false;
+    slong prec = (slong)((double)decimals * CNS_LOG2_10) + GUARD_BITS;
+    for (int attempt = 0; attempt < TRIES && !code && !certain; attempt++, prec += prec / 2) {
+        code = locate(f, prec, err);
+        certain = !code && describe_all(f, decimals, e);
+        if (certain && f->missing[0] == '\0')
+            return CNS_OK;
+        certain = certain && attempt > 0; /* more bits may find what is missing */
+    }
+    if (code)
+        return code;
+    while (!describe_all(f, decimals, e) && decimals > 0)
+        decimals--;
+    if (decimals == 0)
+        return cns_fail(err, CNS_NUMERIC, "not one decimal of the fixed points is certain");
+    if (f->missing[0] != '\0')
+        return cns_fail(err, CNS_UNREACHED, "not found: %s", f->missing);
+    return cns_fail(err, CNS_UNREACHED,
+                    "only %ld decimals are certain: a number lies at a tie, or eigenvalues meet", decimals);
+}
+
+static cns_code prepare(find *f, cns_error *err)
+{
+    const cns_model *m = f->s->model;
+    cns_program *p;
+    if (m->equilibria == NULL || m->n_states > CNS_MODEL_MAX_STATES)
+        return cns_fail(err, CNS_USAGE, "the model %s names no fixed points to start from", m->name);
+    cns_code code = cns_study_program(f->s, &p, err);
+    if (code)
+        return code;
+    code = cns_reduced_open(&f->reduced, p, err);
+    cns_program_free(p);
+    if (code)
+        return code;
+    double *parameter = cns_xalloc((size_t)m->n_parameters + 1, sizeof *parameter);
+    for (int i = 0; i < m->n_parameters; i++)
+        parameter[i] = cns_number_get_d(&f->s->parameters[i]);
+    f->n = m->equilibria(parameter, f->guess);
+    free(parameter);
+    for (int i = 0; i < f->n; i++) {
+        cns_fixed_point_init(&f->point[i], f->reduced.d);
+        for (int k = 0; k < f->reduced.d; k++)
+            f->start[i][k] = f->guess[i].state[f->reduced.index[k]];
+    }
+    return f->n > 0
+               ? CNS_OK
+               : cns_fail(err, CNS_USAGE, "the model %s has no fixed points with these parameters", m->name);
+}
+
+cns_code cns_equilibria_find(const cns_study *s, long decimals, cns_equilibria **result, cns_error *err)
+{
+    find *f = cns_xalloc(1, sizeof *f);
+    f->s = s;
+    *result = NULL;
+    cns_code code = prepare(f, err);
+    if (!code) {
+        cns_equilibria *e = *result = cns_xalloc(1, sizeof *e);
+        e->d = f->reduced.d;
+        e->index = cns_xalloc((size_t)e->d, sizeof *e->index);
+        memcpy(e->index, f->reduced.index, (size_t)e->d * sizeof *e->index);
+        e->item = cns_xalloc((size_t)f->n, sizeof *e->item);
+        code = search(f, decimals, e, err);
+        if (code && code != CNS_UNREACHED) {
+            cns_equilibria_free(e);
+            *result = NULL;
+        }
+    }
+    for (int i = 0; i < f->n; i++)
+        cns_fixed_point_clear(&f->point[i]);
+    cns_reduced_close(&f->reduced);
+    free(f);
+    return code;
+}
+
+void cns_equilibria_free(cns_equilibria *e)
+{
+    if (e == NULL)
+        return;
+    for (int i = 0; i < e->n; i++)
+        clear_item(&e->item[i], e->d);
+    free(e->item);
+    free(e->index);
+    free(e);
+}

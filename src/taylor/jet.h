@@ -1,0 +1,97 @@
+/* Jets: the Taylor coefficients of a solution, from a program, in any arithmetic.
+ *
+ * A jet expands the solution through a given state in tau = (t - t0)/H. It evaluates the program order by
+ * order: all operations at order k, then coefficient k+1 of every state from its derivative
+ * (A. Jorba, M. Zou, Exp. Math. 14 (2005) 99, section 2). Where an operand of a quotient or root vanishes
+ * at t0, each operation runs as far ahead as its operands' leading zeros allow. */
+#ifndef CNS_TAYLOR_JET_H
+#define CNS_TAYLOR_JET_H
+
+#include <mpfr.h>
+#include <stdbool.h>
+
+#include "arith/arith.h"
+#include "cns/program.h"
+#include "cns/status.h"
+
+typedef struct cns_jet cns_jet;
+
+/* Is the smoothing of p's abs() that sharp at a precision of prec bits? (See cns_jet_spec.) */
+bool cns_jet_is_sharp(const cns_program *p, mpfr_prec_t prec);
+
+typedef struct cns_jet_spec {
+    const cns_program *program; /* finished; must outlive the jet */
+    const cns_arith_ops *ops;
+    int order; /* highest order of the states, >= 1 */
+    mpfr_prec_t prec;
+    mpfr_prec_t sharp_prec; /* the precision by which smoothing counts as sharp; 0: prec */
+    bool outputs;           /* also compute what only outputs need */
+    int registers;          /* extra series for the caller's use (Runge-Kutta stages) */
+} cns_jet_spec;
+
+/* Smoothing of abs() changes a solution by some eps^2, and by eps^1.5 at a zero that only touches. Where that
+ * is far below 2^-sharp_prec, sqrt(u^2 + eps^2) is expanded as |u|, kink and landing and all: it could not be
+ * told from it, and a zero of u known to 2^-prec could not be approached to a distance of eps. */
+cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err);
+void cns_jet_free(cns_jet *J);
+size_t cns_jet_bytes(const cns_jet *J); /* of memory in its series; NULL: none */
+
+/* Starts an expansion in tau = (t - t0)/H. H is exact; 1 is allowed. */
+void cns_jet_begin(cns_jet *J, double H);
+
+/* The states at t0, each once after cns_jet_begin. */
+void cns_jet_set_state(cns_jet *J, int i, const mpfr_t x);
+
+/* Declares that watched quantity w is zero at t0, where the last arc ended on it: its coefficient 0, which
+ * may be rounding noise, does not decide its sign. Holds for this expansion. */
+void cns_jet_set_zero(cns_jet *J, int w);
+
+/* Coefficients 0..order of all states, 1 <= order <= spec.order; from a start with leading zeros up to
+ * four fewer (cns_jet_order tells).
+ * CNS_NUMERIC: a quotient, root, logarithm or power is singular at t0 (err says which). */
+cns_code cns_jet_expand(cns_jet *J, int order, cns_error *err);
+int cns_jet_order(const cns_jet *J);
+
+/* The coefficients. y gets the arithmetic's value rounded to y's precision. */
+void cns_jet_coefficient(const cns_jet *J, mpfr_t y, int state, int k);
+double cns_jet_coefficient_2exp(const cns_jet *J, long *e, int state, int k); /* see arith.h get_2exp */
+
+/* An output's value at t0 (spec.outputs). False when it is singular there. */
+bool cns_jet_output(const cns_jet *J, mpfr_t y, int output);
+
+/* Composition: the series of f(x) for given series x of the states, whether or not they solve x' = f(x).
+ * Orders are composed one after another from 0 on; the states' coefficients of an order are set before, and
+ * the latest order may be composed again after they have been changed. An abs() whose operand is zero at
+ * order 0, to half of the precision, takes the sign of its next coefficient. spec.registers >= 1.
+ * CNS_NUMERIC: singular at order 0. */
+void cns_jet_set_coefficient(cns_jet *J, int state, int k, const mpfr_t x);
+cns_code cns_jet_compose(cns_jet *J, int k, cns_error *err);
+void cns_jet_composed(cns_jet *J, mpfr_t y, int state, int k); /* coefficient k of f */
+
+/* Watched quantities: those in whose zeros the solution is not analytic. */
+typedef struct cns_watch {
+    int series; /* of the arithmetic: the polynomial whose roots end the arc */
+    int order;  /* of that polynomial */
+    int zeros;  /* so many leading coefficients are zero (within rounding): the arc starts on a zero */
+    int state;  /* the state it is, or -1 */
+    enum {
+        CNS_WATCH_KINK,  /* the operand of an abs(): its sign may simply change */
+        CNS_WATCH_ROOT,  /* a square root: singular where it vanishes */
+        CNS_WATCH_SMOOTH /* the operand u of sqrt(u^2 + eps^2), analytic, but with singularities at a distance
+                            of about eps/|u'| from its zeros, which a step must not leap over */
+    } kind;
+    int eps; /* CNS_WATCH_SMOOTH: the series that holds eps */
+} cns_watch;
+
+int cns_jet_watched(const cns_jet *J);
+/* After an expansion. False: the quantity vanishes identically, nothing to watch. */
+bool cns_jet_watch(const cns_jet *J, int w, cns_watch *watch);
+
+/* For methods that work on values: the arithmetic, the series of the states (coefficient 1 of which is f
+ * after an expansion of order 1 with H = 1) and the registers. */
+const cns_arith_ops *cns_jet_ops(const cns_jet *J);
+cns_arith *cns_jet_arith(const cns_jet *J);
+int cns_jet_state_series(const cns_jet *J, int i);
+int cns_jet_register(const cns_jet *J, int r);
+
+#endif

@@ -1,0 +1,52 @@
+/* The inside of a jet, for the recurrences. Private to src/taylor. */
+#ifndef CNS_TAYLOR_JET_INTERNAL_H
+#define CNS_TAYLOR_JET_INTERNAL_H
+
+#include "jet.h"
+#include "program_internal.h"
+
+struct cns_jet {
+    cns_jet_spec spec;
+    const cns_program *p;
+    const cns_arith_ops *ops;
+    cns_arith *A;
+    int order;   /* of this expansion */
+    int *series; /* per node, -1 if it has none (folded, constant nodes have one) */
+    int *plan;   /* the nodes to compute at each order, in tape order */
+    int n_plan;
+    int *state_series;
+    int registers_from;
+
+    /* Per node, for this expansion. */
+    signed char *sign;   /* ABS and HYPOT on an invariant line: the held sign; 0 while undecided */
+    signed char *held;   /* the same from the pass before: SIGNED needs it from order 0 on */
+    bool sign_late;      /* a SIGNED was computed before its sign was decided */
+    bool *vanishes;      /* identically zero, by the structure of the program and exact zeros of states */
+    bool *at_zero;       /* starts on a zero: coefficient 0 does not count */
+    bool *constant_zero; /* constants that are zero */
+    bool *state_vanishes;
+    int *val;         /* lower bound of the number of leading zeros; exact where a divisor needs it */
+    int *known;       /* how many coefficients are computed; used in the singular case only */
+    int *state_known; /* the same for the states */
+    bool sharp;       /* smoothed abs() is treated as exact */
+    bool singular;    /* leading zeros are in play */
+
+    /* What every order from some low one on does, noted once and again when something below it changes. */
+    cns_arith *notes;
+    cns_calls calls;
+    bool noted;
+    signed char *noted_for; /* sign, held, vanishes and state_vanishes at that time */
+
+    mpfr_t x, y, z; /* scratch, working precision */
+};
+
+/* Adds sign * (coefficient n of node v) to the accumulator: a stored coefficient, or, for a folded node,
+ * the sums and products it stands for. */
+void cns_accumulate(cns_jet *J, int sign, int v, int n);
+
+/* Computes coefficient n of node v. CNS_NUMERIC when it is singular; the regular case asks for n = 0
+ * first. */
+typedef cns_code (*cns_recurrence)(cns_jet *J, int v, int n, cns_error *err);
+extern const cns_recurrence cns_op_recurrence[CNS_OP_COUNT];
+
+#endif
