@@ -1,4 +1,4 @@
-/* Case files: YAML that says what to compute. README.md lists the keys. */
+/* Case files: YAML that says what to compute. cases/README.md lists the keys. */
 #ifndef CNS_CASE_H
 #define CNS_CASE_H
 
