@@ -19,7 +19,7 @@ static const char *const kernels[KERNELS] = {"portable", "avx512ifma"};
 
 static bool has_kernel(const char *name)
 {
-    return fx_kernel_choose(name) != NULL;
+    return cns_fx_kernel_choose(name) != NULL;
 }
 
 /* The same arithmetic once per kernel; calls go to all. */
@@ -562,7 +562,7 @@ static void set_ones(fx *F, int w)
         for (int l = 0; l < F->rows[k]; l++)
             value[l + 1] = l == 0 ? FX_MASK >> 1 : FX_MASK;
     }
-    fx_want(F, w, FX_FWD | FX_REV | FX_SUMS);
+    cns_fx_want(F, w, FX_FWD | FX_REV | FX_SUMS);
 }
 
 START_TEST(all_ones)

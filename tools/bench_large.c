@@ -49,19 +49,19 @@ static double lanes_term(const fx_kernel *kernel, int R)
 {
     const double pairs = 0.5 * R * R;
     const long repeats = 1 + (long)(3e6 / (pairs * TERMS));
-    fx *F = fx_create(2, TERMS, (mpfr_prec_t)FX_BITS * (R - 1), kernel);
+    fx *F = cns_fx_create(2, TERMS, (mpfr_prec_t)FX_BITS * (R - 1), kernel);
     mpfr_t x;
     timing t = {.best = HUGE_VAL};
     if (!F)
         die("out of memory");
     F->next_decay = 1; /* so that all terms have the same number of limbs, or one less */
-    fx_begin(F, 1);
+    cns_fx_begin(F, 1);
     mpfr_init2(x, (mpfr_prec_t)FX_BITS * R);
     for (int a = 0; a < 2; a++)
         for (int k = 0; k < TERMS; k++) {
             mpfr_urandomb(x, random_state);
             mpfr_div_2ui(x, x, (unsigned long)k + 1, MPFR_RNDN);
-            fx_set(F, a, k, x, false);
+            cns_fx_set(F, a, k, x, false);
         }
     while (again(&t, (double)repeats))
         for (long i = 0; i < repeats; i++) {
@@ -69,7 +69,7 @@ static double lanes_term(const fx_kernel *kernel, int R)
             kernel->conv(F, 1, 0, 1, TERMS - 1, 0, TERMS - 1);
         }
     mpfr_clear(x);
-    fx_destroy(F);
+    cns_fx_destroy(F);
     return t.best / TERMS;
 }
 
@@ -156,7 +156,8 @@ int main(int argc, char **argv)
     const double most = argc > 1 ? atof(argv[1]) : 10000;
     static const int some[] = {2,  4,  8,   12,  16,  20,  24,  32,  40,  48,  56,  64,
                                80, 96, 128, 160, 192, 256, 320, 400, 512, 640, 800, 960};
-    const fx_kernel *kernels[KERNELS] = {fx_kernel_choose("portable"), fx_kernel_choose("avx512ifma")};
+    const fx_kernel *kernels[KERNELS] = {cns_fx_kernel_choose("portable"),
+                                         cns_fx_kernel_choose("avx512ifma")};
     curve lanes[KERNELS] = {{0}}, gmp = {0};
     gmp_randinit_default(random_state);
     printf("nanoseconds for one term of a convolution\n%6s %7s %12s %12s %12s\n", "limbs", "digits",
@@ -200,7 +201,8 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < sizeof digits / sizeof *digits && (double)digits[i] <= most; i++) {
         const mpfr_prec_t prec = cns_digits_to_bits(digits[i]);
         const int order = cns_order_for(-(double)digits[i] * 3.3219280948873623, CNS_ARITH_FAST);
-        fx *F = fx_create(1, order, prec, fx_kernel_choose("portable")); /* for the limbs of each order */
+        fx *F =
+            cns_fx_create(1, order, prec, cns_fx_kernel_choose("portable")); /* for the limbs of each order */
         if (!F)
             die("out of memory");
         printf("%7ld %7d", digits[i], order);
@@ -211,7 +213,7 @@ int main(int argc, char **argv)
         const double one = packed((2.0 * (double)prec + log2(order)) * order);
         printf(" %12.4g %12.4g %12.4g\n", all_orders(F, order, &gmp, NULL), one, one * log2(order) / 2);
         fflush(stdout);
-        fx_destroy(F);
+        cns_fx_destroy(F);
     }
     gmp_randclear(random_state);
     return 0;

@@ -128,7 +128,8 @@ static double products(const cns_bench_problem *p, int order, long digits)
     ops.orders = NULL; /* which would call its own */
     cns_jet_spec spec = {.program = cns_bench_program(p), .ops = &ops, .order = order, .prec = 53};
     cns_jet *J = cns_jet_new(&spec, &err);
-    fx *F = fx_create(1, order, cns_digits_to_bits(digits) + GUARD_BITS, fx_kernel_choose("portable"));
+    fx *F =
+        cns_fx_create(1, order, cns_digits_to_bits(digits) + GUARD_BITS, cns_fx_kernel_choose("portable"));
     if (!J || !F)
         die("out of memory");
     mpfr_t x;
@@ -143,7 +144,7 @@ static double products(const cns_bench_problem *p, int order, long digits)
     count.products = 0;
     if (cns_jet_expand(J, order, &err))
         die(err.text);
-    fx_destroy(F);
+    cns_fx_destroy(F);
     cns_jet_free(J);
     return count.products;
 }

@@ -37,7 +37,7 @@ static void destroy(cns_arith *A)
     if (A == NULL)
         return;
     if (A->F != NULL)
-        fx_destroy(A->F);
+        cns_fx_destroy(A->F);
     free(A->integrated);
     free(A->level);
     free(A);
@@ -45,7 +45,7 @@ static void destroy(cns_arith *A)
 
 cns_arith *cns_fast_create(const cns_arith_spec *spec, const char *kernel, cns_error *err)
 {
-    const fx_kernel *ops = fx_kernel_choose(kernel);
+    const fx_kernel *ops = cns_fx_kernel_choose(kernel);
     if (ops == NULL) {
         cns_fail(err, CNS_USAGE, "no such kernel on this machine: '%s'",
                  kernel != NULL ? kernel : getenv("CNS_KERNEL"));
@@ -59,7 +59,7 @@ cns_arith *cns_fast_create(const cns_arith_spec *spec, const char *kernel, cns_e
     }
     cns_arith *A = malloc(sizeof *A);
     if (A != NULL) {
-        A->F = fx_create(spec->series, spec->order, spec->prec, ops);
+        A->F = cns_fx_create(spec->series, spec->order, spec->prec, ops);
         A->ops = ops;
         A->step_bits = 1; /* H = 1 */
         A->integrated = calloc((size_t)spec->series, sizeof *A->integrated);
@@ -86,7 +86,7 @@ static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
 
 cns_code cns_fast_kernel_name(const char **name, cns_error *err)
 {
-    const fx_kernel *kernel = fx_kernel_choose(NULL);
+    const fx_kernel *kernel = cns_fx_kernel_choose(NULL);
     const char *asked = getenv("CNS_KERNEL");
     if (!kernel)
         return cns_fail(
@@ -121,14 +121,14 @@ void cns_fast_status_get(const cns_arith *A, cns_fast_status *status)
 
 void cns_fast_sum(cns_arith *A, mpfr_t y, int a, int n, const mpfr_t tau)
 {
-    fx_sum(A->F, y, a, n, tau);
+    cns_fx_sum(A->F, y, a, n, tau);
 }
 
 static bool slope(cns_arith *A, mpfr_t y, double *largest_log2, int a, int n, const mpfr_t tau)
 {
     if (n > FX_MAX_SLOPE)
         return false;
-    fx_slope(A->F, y, largest_log2, a, n, tau);
+    cns_fx_slope(A->F, y, largest_log2, a, n, tau);
     return true;
 }
 
@@ -144,23 +144,23 @@ static void begin(cns_arith *A, double H)
             }
     for (int i = 0; i < A->F->n_series; i++)
         A->level[i] = LONG_MIN;
-    fx_begin(A->F, H);
+    cns_fx_begin(A->F, H);
     frexp(H, &A->step_bits);
 }
 
 static void get(const cns_arith *A, mpfr_t y, int a, int k)
 {
-    fx_get(A->F, y, a, k);
+    cns_fx_get(A->F, y, a, k);
 }
 
 static void set(cns_arith *A, int w, int k, const mpfr_t y, bool keep)
 {
-    fx_set(A->F, w, k, y, keep);
+    cns_fx_set(A->F, w, k, y, keep);
 }
 
 static double get_2exp(const cns_arith *A, long *e, int a, int k)
 {
-    return fx_get_2exp(A->F, e, a, k);
+    return cns_fx_get_2exp(A->F, e, a, k);
 }
 
 static void zero(cns_arith *A)
@@ -298,7 +298,7 @@ static bool orders(cns_arith *A, const cns_calls *calls, int from, int to)
     fx *F = A->F;
     for (int k = from; k < to; k++) {
         int first = 0;
-        if (!F->singular && F->rows[k] <= FX_ONE_ROWS && fx_work_out(F, calls, k)) {
+        if (!F->singular && F->rows[k] <= FX_ONE_ROWS && cns_fx_work_out(F, calls, k)) {
             const int begun = k;
             const fx_step *stuck = A->ops->run(F, &F->recipe, &k, to);
             if (k > begun)
@@ -321,13 +321,13 @@ static void function(cns_arith *A, cns_function f, int w, int w2, int a, int b)
     const mpfr_prec_t prec = (mpfr_prec_t)FX_BITS * (F->limbs + 1);
     mpfr_set_prec(F->g, prec);
     mpfr_set_prec(F->g2, prec);
-    fx_get(F, F->g, a, 0);
+    cns_fx_get(F, F->g, a, 0);
     if (b >= 0)
-        fx_get(F, F->g2, b, 0);
+        cns_fx_get(F, F->g2, b, 0);
     cns_function_mpfr(f, F->g, F->g2, F->g, F->g2);
-    fx_set(F, w, 0, F->g, false);
+    cns_fx_set(F, w, 0, F->g, false);
     if (f == CNS_FN_SINCOS)
-        fx_set(F, w2, 0, F->g2, false);
+        cns_fx_set(F, w2, 0, F->g2, false);
 }
 
 /* The bound. Sums of products a b drop less than a unit of 2^(e_a + e_b - W) per limb and term, which W has

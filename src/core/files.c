@@ -49,7 +49,7 @@ FILE *cns_file_create(const char *path, char **aside)
     snprintf(*aside, size, "%s.XXXXXX", path);
     const int fd = mkstemp(*aside);
     mode_t mask;
-#pragma omp critical(umask) /* there is one for all threads, and reading it changes it */
+#pragma omp critical(cns_umask) /* there is one for all threads, and reading it changes it */
     {
         mask = umask(0);
         umask(mask);

@@ -44,7 +44,7 @@ static void speak(gang *g, bool now)
 
 void cns_ensemble_tell(cns_ensemble_job *job, double fraction)
 {
-#pragma omp critical(ensemble)
+#pragma omp critical(cns_ensemble)
     {
         gang *g = job->gang;
         g->done += (fraction - job->fraction) * job->cost;
@@ -56,7 +56,7 @@ void cns_ensemble_tell(cns_ensemble_job *job, double fraction)
 static bool halted(gang *g)
 {
     bool halt;
-#pragma omp critical(ensemble)
+#pragma omp critical(cns_ensemble)
     halt = g->halt || (g->e->study->stop != NULL && *g->e->study->stop);
     return halt;
 }
@@ -127,7 +127,7 @@ static void work(gang *g, cns_ensemble_job *job, char **results)
     if (code == CNS_OK && e->directory != NULL)
         code = keep(e, i, result, &err);
     results[i] = result;
-#pragma omp critical(ensemble)
+#pragma omp critical(cns_ensemble)
     {
         g->codes[i] = code;
         g->errors[i] = err;

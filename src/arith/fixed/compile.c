@@ -140,7 +140,7 @@ static bool scaled(state *s, const cns_calls *calls, const cns_call *call, int k
     fx *F = s->F;
     const fx_series *x = &F->series[a];
     if (!F->constant[c].valid)
-        fx_prepare_constant(F, c);
+        cns_fx_prepare_constant(F, c);
     const fx_const *m = &F->constant[c];
     if (!is_k(calls, call, 3) || !x->live || F->will_store[a] <= k || m->sign == 0)
         return false;
@@ -158,7 +158,8 @@ static bool conv(state *s, const cns_calls *calls, const cns_call *c, int k)
     if (!x->live || !y->live || F->will_store[a] <= k - above || F->will_store[b] <= k - lo)
         return false;
     const int forwards = FX_FWD | FX_SUMS, backwards = FX_REV | FX_SUMS;
-    if (((x->parts & forwards) != forwards || (y->parts & backwards) != backwards) && fx_orient(F, a, b)) {
+    if (((x->parts & forwards) != forwards || (y->parts & backwards) != backwards) &&
+        cns_fx_orient(F, a, b)) {
         const fx_series *const swap = x;
         const int swap_lo = lo;
         x = y;
@@ -179,7 +180,7 @@ static bool square(state *s, const cns_calls *calls, const cns_call *c, int k)
     if (!is_k(calls, c, 2) || !fixed(c, 3) || lo < 0 || lo > k - lo || !x->live || F->will_store[a] <= k - lo)
         return false;
     if ((x->parts & all) != all)
-        fx_want(F, a, all);
+        cns_fx_want(F, a, all);
     return into_lanes(s, (fx_step){.kind = FX_DO_SQUARE, .sign = c->arg[0], .a = x, .lo = lo}, 2 * x->exp + 1,
                       1);
 }
@@ -198,7 +199,7 @@ static bool store(state *s, const cns_calls *calls, const cns_call *c, int k)
     switch (c->kind) {
     case CNS_CALL_STORE_SCALED:
         if (!F->constant[c->arg[2]].valid)
-            fx_prepare_constant(F, c->arg[2]);
+            cns_fx_prepare_constant(F, c->arg[2]);
         step.times = FX_TIMES_CONST;
         step.c = &F->constant[c->arg[2]];
         break;
@@ -217,7 +218,7 @@ static bool store(state *s, const cns_calls *calls, const cns_call *c, int k)
     case CNS_CALL_STORE_NEXT: {
         const int slot = c->arg[2] < 0 ? F->n_series : c->arg[2];
         if (!F->step_const[slot].valid)
-            fx_prepare_step(F, c->arg[2]);
+            cns_fx_prepare_step(F, c->arg[2]);
         step.times = FX_TIMES_NEXT;
         step.c = &F->step_const[slot];
         step.made = &F->next_const[slot];
@@ -238,7 +239,7 @@ static bool store(state *s, const cns_calls *calls, const cns_call *c, int k)
     return append(F, &step);
 }
 
-bool fx_work_out(fx *F, const cns_calls *calls, int k)
+bool cns_fx_work_out(fx *F, const cns_calls *calls, int k)
 {
     state s;
     s.F = F;

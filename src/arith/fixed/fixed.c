@@ -38,7 +38,7 @@ static int limbs_for(long bits)
     return bits <= FX_BITS ? 1 : (int)((bits + FX_BITS - 1) / FX_BITS);
 }
 
-static _Thread_local size_t allocated; /* by words() and cells(), since fx_create began */
+static _Thread_local size_t allocated; /* by words() and cells(), since cns_fx_create began */
 
 static void *words(size_t n, bool *ok)
 {
@@ -124,7 +124,7 @@ static void set_window(fx *F)
     F->limbs = F->rows[0];
 }
 
-fx *fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel)
+fx *cns_fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel)
 {
     bool ok = true;
     fx *F = calloc(1, sizeof *F);
@@ -168,7 +168,7 @@ fx *fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel
     F->has_kept = cells(n, sizeof(bool), &ok);
     F->will_store = cells(n, sizeof(int), &ok);
     if (!ok) {
-        fx_destroy(F);
+        cns_fx_destroy(F);
         return NULL;
     }
     for (size_t i = 0; i < n; i++) {
@@ -187,7 +187,7 @@ fx *fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel
         const_init(F, &F->inverse_order[k], &ok);
     const_init(F, &F->tau, &ok);
     if (!ok) {
-        fx_destroy(F);
+        cns_fx_destroy(F);
         return NULL;
     }
     F->bytes = allocated;
@@ -200,7 +200,7 @@ fx *fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel
     return F;
 }
 
-void fx_destroy(fx *F)
+void cns_fx_destroy(fx *F)
 {
     if (F == NULL)
         return;
@@ -273,7 +273,7 @@ static bool all_zero(const fx *F, const fx_series *s)
 }
 
 /* The exponent for the next expansion, from the largest coefficient of this one. */
-long fx_learnt(const fx *F, int a)
+long cns_fx_learnt(const fx *F, int a)
 {
     const fx_series *s = &F->series[a];
     if (s->constant || !s->live || s->stored == 0)
@@ -285,19 +285,19 @@ long fx_learnt(const fx *F, int a)
     return round_up(s->exp - FX_BITS + 2 + MARGIN);
 }
 
-void fx_set_exponent(fx *F, int a, long e)
+void cns_fx_set_exponent(fx *F, int a, long e)
 {
     F->series[a].live = e != LONG_MIN;
     if (F->series[a].live)
         F->series[a].exp = e;
 }
 
-void fx_begin(fx *F, double H)
+void cns_fx_begin(fx *F, double H)
 {
     for (int i = 0; i < F->n_series; i++) {
         fx_series *s = &F->series[i];
         if (!s->constant) {
-            fx_set_exponent(F, i, fx_learnt(F, i));
+            cns_fx_set_exponent(F, i, cns_fx_learnt(F, i));
             s->stored = 0;
             s->peak = 0;
             F->constant[i].valid = false;
@@ -322,12 +322,12 @@ void fx_begin(fx *F, double H)
         if (F->series[i].constant) {
             F->series[i].stored = 0;
             mpfr_set(F->f3, F->kept[i], MPFR_RNDN);
-            fx_set(F, i, 0, F->f3, false);
+            cns_fx_set(F, i, 0, F->f3, false);
         }
     }
 }
 
-void fx_get(const fx *F, mpfr_t y, int a, int k)
+void cns_fx_get(const fx *F, mpfr_t y, int a, int k)
 {
     const fx_series *s = &F->series[a];
     if (s->constant && k == 0) {
@@ -363,7 +363,7 @@ static inline int64_t limb_of_size(const int64_t *x, int last, int i)
     return FX_MASK - x[i] + (i == last);
 }
 
-double fx_get_2exp(const fx *F, long *e, int a, int k)
+double cns_fx_get_2exp(const fx *F, long *e, int a, int k)
 {
     const fx_series *s = &F->series[a];
     *e = 0;
@@ -399,7 +399,7 @@ double fx_get_2exp(const fx *F, long *e, int a, int k)
     return negative ? -d : d;
 }
 
-void fx_shift(int64_t *out, const int64_t *t, int rows, int t_rows, long shift)
+void cns_fx_shift(int64_t *out, const int64_t *t, int rows, int t_rows, long shift)
 {
     const int64_t far = INT64_C(1) << 61;
     const int64_t sign = t[0] < 0 ? FX_MASK : 0;
@@ -463,7 +463,7 @@ static void write_limbs(fx *F, fx_series *s, int k)
     }
 }
 
-void fx_sums(fx *F, int w, int k)
+void cns_fx_sums(fx *F, int w, int k)
 {
     fx_series *s = &F->series[w];
     for (int j = k; j < s->stored && s->parts & FX_SUMS; j++) {
@@ -482,13 +482,13 @@ void fx_sums(fx *F, int w, int k)
     }
 }
 
-void fx_want(fx *F, int a, int parts)
+void cns_fx_want(fx *F, int a, int parts)
 {
     fx_series *s = &F->series[a];
     s->parts |= parts;
     for (int k = 0; k < s->stored; k++)
         write_limbs(F, s, k);
-    fx_sums(F, a, 0);
+    cns_fx_sums(F, a, 0);
 }
 
 static bool has(const fx_series *s, int parts)
@@ -497,7 +497,7 @@ static bool has(const fx_series *s, int parts)
 }
 
 /* Which operand is read forwards does not matter; the fewer copies of series, the better. */
-bool fx_orient(fx *F, int a, int b)
+bool cns_fx_orient(fx *F, int a, int b)
 {
     const fx_series *s = &F->series[a], *t = &F->series[b];
     const int missing = !(s->parts & FX_FWD) + !(t->parts & FX_REV),
@@ -505,13 +505,13 @@ bool fx_orient(fx *F, int a, int b)
     const bool swap = missing_swapped < missing;
     const int forwards = swap ? b : a, backwards = swap ? a : b;
     if (!has(&F->series[forwards], FX_FWD | FX_SUMS))
-        fx_want(F, forwards, FX_FWD | FX_SUMS);
+        cns_fx_want(F, forwards, FX_FWD | FX_SUMS);
     if (!has(&F->series[backwards], FX_REV | FX_SUMS))
-        fx_want(F, backwards, FX_REV | FX_SUMS);
+        cns_fx_want(F, backwards, FX_REV | FX_SUMS);
     return swap;
 }
 
-void fx_fill(fx *F, int a, int k)
+void cns_fx_fill(fx *F, int a, int k)
 {
     fx_series *s = &F->series[a];
     const int from = s->stored;
@@ -521,7 +521,7 @@ void fx_fill(fx *F, int a, int k)
     }
     if (k >= from) {
         s->stored = k + 1;
-        fx_sums(F, a, from);
+        cns_fx_sums(F, a, from);
     }
 }
 
@@ -536,7 +536,7 @@ static long bounded(fx *F, long exp)
     return exp > 0 ? RANGE : -RANGE;
 }
 
-void fx_choose(fx *F, int w, int k)
+void cns_fx_choose(fx *F, int w, int k)
 {
     const long bits = bits_of(F->acc.t, F->acc.rows);
     if (bits == LONG_MIN)
@@ -554,24 +554,24 @@ static void raise_to(fx *F, int w, long bits)
     for (int k = 0; k < s->stored; k++) {
         int64_t *x = value_of(F, s, k);
         memcpy(F->tmp3, x, (size_t)(F->rows[k] + 1) * 8);
-        fx_shift(x, F->tmp3, F->rows[k], F->rows[k], -by);
+        cns_fx_shift(x, F->tmp3, F->rows[k], F->rows[k], -by);
         write_limbs(F, s, k);
     }
     s->exp = exp;
     s->peak = by < 63 ? s->peak >> by : 0;
-    fx_sums(F, w, 0);
+    cns_fx_sums(F, w, 0);
     if (by > F->raised) {
         F->raised = by > 1000000 ? 1000000 : (int)by;
         F->raised_series = w;
     }
 }
 
-void fx_raise(fx *F, int w, int k)
+void cns_fx_raise(fx *F, int w, int k)
 {
     raise_to(F, w, bits_of(F->acc.t, F->acc.rows) + F->acc.exp + (long)F->decay * k);
 }
 
-void fx_set(fx *F, int w, int k, const mpfr_t y, bool keep)
+void cns_fx_set(fx *F, int w, int k, const mpfr_t y, bool keep)
 {
     fx_series *s = &F->series[w];
     F->constant[w].valid = false;
@@ -636,29 +636,29 @@ void fx_set(fx *F, int w, int k, const mpfr_t y, bool keep)
     F->kernel->store(F, w, k);
 }
 
-void fx_prepare_constant(fx *F, int c)
+void cns_fx_prepare_constant(fx *F, int c)
 {
-    fx_get(F, F->f, c, 0);
+    cns_fx_get(F, F->f, c, 0);
     const_set(F, &F->constant[c], F->f);
 }
 
-void fx_prepare_step(fx *F, int c)
+void cns_fx_prepare_step(fx *F, int c)
 {
     if (c < 0) {
         mpfr_set_d(F->f, F->H, MPFR_RNDN);
     } else {
-        fx_get(F, F->f, c, 0);
+        cns_fx_get(F, F->f, c, 0);
         mpfr_mul_d(F->f, F->f, F->H, MPFR_RNDN);
     }
     const_set(F, &F->step_const[c < 0 ? F->n_series : c], F->f);
 }
 
-const fx_const *fx_reciprocal(fx *F, int d, int v)
+const fx_const *cns_fx_reciprocal(fx *F, int d, int v)
 {
     fx_const *c = &F->reciprocal[d];
     if (c->valid && c->index == v)
         return c;
-    fx_get(F, F->f, d, v);
+    cns_fx_get(F, F->f, d, v);
     if (mpfr_zero_p(F->f)) {
         F->singular = true;
         c->sign = 0;
@@ -675,7 +675,7 @@ const fx_const *fx_reciprocal(fx *F, int d, int v)
     return c;
 }
 
-void fx_ratio(fx *F, long p, long q)
+void cns_fx_ratio(fx *F, long p, long q)
 {
     fx_number *acc = &F->acc;
     __int128 c = 0;
@@ -713,7 +713,7 @@ static void sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau, bool slope)
     mpfr_set_z_2exp(y, F->z, F->acc.exp - (long)FX_BITS * rows, MPFR_RNDN);
 }
 
-void fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau)
+void cns_fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau)
 {
     const fx_series *s = &F->series[a];
     if (n >= s->stored)
@@ -724,7 +724,7 @@ void fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau)
         sum(F, y, a, n, tau, false);
 }
 
-void fx_slope(fx *F, mpfr_t y, double *largest, int a, int n, const mpfr_t tau)
+void cns_fx_slope(fx *F, mpfr_t y, double *largest, int a, int n, const mpfr_t tau)
 {
     const fx_series *s = &F->series[a];
     long e;
@@ -741,7 +741,7 @@ void fx_slope(fx *F, mpfr_t y, double *largest, int a, int n, const mpfr_t tau)
         const double bound = (double)s->exp + log2(k) + k * (tau_log2 - (double)F->decay);
         if (k >= 2 && bound < *largest)
             break;
-        const double x = fx_get_2exp(F, &e, a, k);
+        const double x = cns_fx_get_2exp(F, &e, a, k);
         int more;
         frexp(x * k, &more);
         if (x != 0)
@@ -749,7 +749,7 @@ void fx_slope(fx *F, mpfr_t y, double *largest, int a, int n, const mpfr_t tau)
     }
 }
 
-const fx_kernel *fx_kernel_choose(const char *name)
+const fx_kernel *cns_fx_kernel_choose(const char *name)
 {
     if (name == NULL)
         name = getenv("CNS_KERNEL");
@@ -760,9 +760,9 @@ const fx_kernel *fx_kernel_choose(const char *name)
                       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw") &&
                       __builtin_cpu_supports("avx512ifma") && __builtin_cpu_supports("bmi2");
     if (ifma && (strcmp(name, "auto") == 0 || strcmp(name, "avx512ifma") == 0))
-        return &fx_kernel_avx512ifma;
+        return &cns_fx_kernel_avx512ifma;
 #endif
     if (strcmp(name, "auto") == 0 || strcmp(name, "portable") == 0)
-        return &fx_kernel_portable;
+        return &cns_fx_kernel_portable;
     return NULL; /* unknown, or not on this machine */
 }

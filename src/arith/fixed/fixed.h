@@ -182,41 +182,41 @@ struct fx {
 };
 
 /* fixed.c: everything outside the order loop, and its rare paths */
-fx *fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel);
-void fx_destroy(fx *F);
-void fx_begin(fx *F, double H);
-void fx_get(const fx *F, mpfr_t y, int a, int k);
-void fx_set(fx *F, int w, int k, const mpfr_t y, bool keep);
-double fx_get_2exp(const fx *F, long *e, int a, int k);
+fx *cns_fx_create(int n_series, int order, mpfr_prec_t prec, const fx_kernel *kernel);
+void cns_fx_destroy(fx *F);
+void cns_fx_begin(fx *F, double H);
+void cns_fx_get(const fx *F, mpfr_t y, int a, int k);
+void cns_fx_set(fx *F, int w, int k, const mpfr_t y, bool keep);
+double cns_fx_get_2exp(const fx *F, long *e, int a, int k);
 /* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 2^(FX_REACH/8), with an error below 3 (n+1) 2^(e-W). Costs least
  * where tau has few bits. */
-void fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau);
+void cns_fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau);
 /* y = sum_{k <= n} k a_k tau^(k-1), n <= FX_MAX_SLOPE, made from the stored coefficients with an error below
  * 3 (n+1) 2^(e-W) / tau, tau > 0; *largest: log2 of its largest term times tau, to a bit, -HUGE_VAL if all
  * vanish. */
-void fx_slope(fx *F, mpfr_t y, double *largest, int a, int n, const mpfr_t tau);
+void cns_fx_slope(fx *F, mpfr_t y, double *largest, int a, int n, const mpfr_t tau);
 
-long fx_learnt(const fx *F, int a); /* the block exponent the next expansion will take */
-void fx_set_exponent(fx *F, int a, long e);
-void fx_fill(fx *F, int a, int k);      /* zeros in orders stored..k */
-void fx_choose(fx *F, int w, int k);    /* exponent of w, from the accumulator about to be stored at k */
-void fx_raise(fx *F, int w, int k);     /* higher exponent, so that the accumulator fits at k */
-void fx_sums(fx *F, int w, int k);      /* D_j anew for all stored j >= k, if kept */
-void fx_want(fx *F, int a, int parts);  /* more parts */
-void fx_prepare_constant(fx *F, int c); /* constant[c] */
-void fx_prepare_step(fx *F, int c);     /* step_const[c] */
-const fx_const *fx_reciprocal(fx *F, int d, int v);
-bool fx_orient(fx *F, int a, int b); /* parts for a product a b; true: b is read forwards */
+long cns_fx_learnt(const fx *F, int a); /* the block exponent the next expansion will take */
+void cns_fx_set_exponent(fx *F, int a, long e);
+void cns_fx_fill(fx *F, int a, int k);      /* zeros in orders stored..k */
+void cns_fx_choose(fx *F, int w, int k);    /* exponent of w, from the accumulator about to be stored at k */
+void cns_fx_raise(fx *F, int w, int k);     /* higher exponent, so that the accumulator fits at k */
+void cns_fx_sums(fx *F, int w, int k);      /* D_j anew for all stored j >= k, if kept */
+void cns_fx_want(fx *F, int a, int parts);  /* more parts */
+void cns_fx_prepare_constant(fx *F, int c); /* constant[c] */
+void cns_fx_prepare_step(fx *F, int c);     /* step_const[c] */
+const fx_const *cns_fx_reciprocal(fx *F, int d, int v);
+bool cns_fx_orient(fx *F, int a, int b); /* parts for a product a b; true: b is read forwards */
 /* The recipe of order k and those after it. False: these calls, or the series as they are, have none. */
-bool fx_work_out(fx *F, const cns_calls *calls, int k);
-void fx_ratio(fx *F, long p, long q);                                            /* acc *= p / q, slowly */
-void fx_shift(int64_t *out, const int64_t *t, int rows, int t_rows, long shift); /* t 2^shift, floor */
+bool cns_fx_work_out(fx *F, const cns_calls *calls, int k);
+void cns_fx_ratio(fx *F, long p, long q); /* acc *= p / q, slowly */
+void cns_fx_shift(int64_t *out, const int64_t *t, int rows, int t_rows, long shift); /* t 2^shift, floor */
 
-const fx_kernel *fx_kernel_choose(const char *name); /* NULL name: CNS_KERNEL, else the best */
-extern const fx_kernel fx_kernel_portable;
+const fx_kernel *cns_fx_kernel_choose(const char *name); /* NULL name: CNS_KERNEL, else the best */
+extern const fx_kernel cns_fx_kernel_portable;
 #if defined(__x86_64__) && defined(__GNUC__)
 #define FX_HAVE_IFMA 1
-extern const fx_kernel fx_kernel_avx512ifma;
+extern const fx_kernel cns_fx_kernel_avx512ifma;
 #endif
 
 #endif

@@ -245,7 +245,7 @@ static void f_scaled(fx *F, int sign, int c, int a, int k)
 {
     fx_series *s = &F->series[a];
     if (!F->constant[c].valid)
-        fx_prepare_constant(F, c);
+        cns_fx_prepare_constant(F, c);
     const fx_const *m = &F->constant[c];
     if (!s->live || k >= s->stored || m->sign == 0)
         return;
@@ -264,7 +264,7 @@ static void f_conv(fx *F, int sign, int a, int b, int n, int lo, int hi)
     fx_series *s = &F->series[a], *t = &F->series[b];
     if (lo > hi || !s->live || !t->live)
         return;
-    if ((!has(s, FX_FWD | FX_SUMS) || !has(t, FX_REV | FX_SUMS)) && fx_orient(F, a, b)) {
+    if ((!has(s, FX_FWD | FX_SUMS) || !has(t, FX_REV | FX_SUMS)) && cns_fx_orient(F, a, b)) {
         const int swap = a, swap_lo = lo;
         fx_series *const swap_series = s;
         a = b;
@@ -275,9 +275,9 @@ static void f_conv(fx *F, int sign, int a, int b, int n, int lo, int hi)
         hi = n - swap_lo;
     }
     if (s->stored <= hi)
-        fx_fill(F, a, hi);
+        cns_fx_fill(F, a, hi);
     if (t->stored <= n - lo)
-        fx_fill(F, b, n - lo);
+        cns_fx_fill(F, b, n - lo);
     const int rows = F->rows[n];
     open_lanes(F, rows, s->exp + t->exp + 1 - (long)F->decay * n);
     correct(F, rows, sign, s, lo, hi);
@@ -292,9 +292,9 @@ static void f_square(fx *F, int sign, int a, int n, int lo)
     if (lo > n - lo || !s->live)
         return;
     if (!has(s, FX_FWD | FX_REV | FX_SUMS))
-        fx_want(F, a, FX_FWD | FX_REV | FX_SUMS);
+        cns_fx_want(F, a, FX_FWD | FX_REV | FX_SUMS);
     if (s->stored <= n - lo)
-        fx_fill(F, a, n - lo);
+        cns_fx_fill(F, a, n - lo);
     const int rows = F->rows[n];
     open_lanes(F, rows, 2 * s->exp + 1 - (long)F->decay * n);
     correct(F, rows, 2 * sign, s, lo, n - lo);
@@ -326,9 +326,9 @@ static void put(fx *F, int w, int k, bool nonzero)
     fx_series *s = &F->series[w];
     const int rows = F->rows[k];
     if (k > s->stored)
-        fx_fill(F, w, k - 1);
+        cns_fx_fill(F, w, k - 1);
     if (nonzero && !s->live)
-        fx_choose(F, w, k);
+        cns_fx_choose(F, w, k);
     int64_t *record = record_at(F, s, k);
     int64_t *x = record + F->value;
     if (!nonzero || !s->live) {
@@ -347,11 +347,11 @@ static void put(fx *F, int w, int k, bool nonzero)
             EACH_VECTOR(rows, V(x + 8 * v) = ((CV(t + 8 * v) << l) & (v == 0 ? whole_first : limb_mask)) +
                                              (AFTER(t + 8 * v) >> (FX_BITS - l)));
         } else {
-            fx_shift(x, t, rows, acc->rows, shift);
+            cns_fx_shift(x, t, rows, acc->rows, shift);
         }
         const int64_t first = x[1] + FX_HALF;
         if (x[0] + (first >> FX_BITS) != 0) {
-            fx_raise(F, w, k);
+            cns_fx_raise(F, w, k);
             put(F, w, k, !F->singular); /* out of range: zero will do, the expansion has failed */
             return;
         }
@@ -376,7 +376,7 @@ static void put(fx *F, int w, int k, bool nonzero)
             *(rev += stride) = u[i];
     }
     if (k < s->stored) {
-        fx_sums(F, w, k);
+        cns_fx_sums(F, w, k);
         return;
     }
     s->stored = k + 1;
@@ -421,7 +421,7 @@ static inline bool times(fx *F, const fx_const *c)
 static void f_store_scaled(fx *F, int w, int k, int c)
 {
     if (!F->constant[c].valid)
-        fx_prepare_constant(F, c);
+        cns_fx_prepare_constant(F, c);
     put(F, w, k, finish(F) && times(F, &F->constant[c]));
 }
 
@@ -429,7 +429,7 @@ static void f_store_over(fx *F, int w, int k, int d, int v, int twice)
 {
     const fx_const *c = &F->reciprocal[d];
     if (!c->valid || c->index != v)
-        c = fx_reciprocal(F, d, v);
+        c = cns_fx_reciprocal(F, d, v);
     const bool nonzero = finish(F) && times(F, c);
     /* d_v carries 2^(-d v) in its value already: all exponents are those of the true numbers */
     F->acc.exp -= twice != 0;
@@ -442,7 +442,7 @@ static void f_store_ratio(fx *F, int w, int k, long p, long q)
     if (nonzero && p == 1 && q >= 1 && q <= F->order + 1)
         nonzero = times(F, &F->inverse_order[q - 1]);
     else if (nonzero)
-        fx_ratio(F, p, q);
+        cns_fx_ratio(F, p, q);
     put(F, w, k, nonzero);
 }
 
@@ -454,7 +454,7 @@ static void f_store_next(fx *F, int w, int k, int c)
         const fx_const *step = &F->step_const[slot];
         fx_const *next = &F->next_const[slot];
         if (!step->valid)
-            fx_prepare_step(F, c);
+            cns_fx_prepare_step(F, c);
         const int rows = F->acc.rows + 1;
         if (next->index != k || next->series != rows) {
             const fx_const *inverse = &F->inverse_order[k];

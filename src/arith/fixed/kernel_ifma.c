@@ -632,7 +632,7 @@ INLINE void k_floor_one(vector *x, long shift)
 }
 
 #define FX_KERNEL_NAME "avx512ifma"
-#define FX_KERNEL      fx_kernel_avx512ifma
+#define FX_KERNEL      cns_fx_kernel_avx512ifma
 #include "fixed_core.h"
 
 #if defined(__clang__)

@@ -253,9 +253,9 @@ static inline void k_down_one(vector *x, int q, int r)
 static inline void k_floor_one(vector *x, long shift)
 {
     const vector t = *x;
-    fx_shift((int64_t *)x, (const int64_t *)&t, 7, 7, -shift);
+    cns_fx_shift((int64_t *)x, (const int64_t *)&t, 7, 7, -shift);
 }
 
 #define FX_KERNEL_NAME "portable"
-#define FX_KERNEL      fx_kernel_portable
+#define FX_KERNEL      cns_fx_kernel_portable
 #include "fixed_core.h"
