@@ -13,11 +13,12 @@
 #include "cns/study.h"
 
 typedef struct cns_case {
-    char *name; /* as the user named the file; "<stdin>" for standard input */
+    char
+        *name; /* of the file, "<stdin>" for standard input; fit for one line: what is no text is '?' in it */
     char *text; /* its bytes, NUL-terminated; UTF-8 without control characters other than tab, CR, LF */
     size_t length;
     char sha256[65]; /* of text, without the overrides */
-    char *overrides; /* the --set options, one per line; NULL when there are none */
+    char *overrides; /* the --set options, one per line and each fit for one; NULL when there are none */
     const cns_model *model;
     cns_number *parameters; /* model->n_parameters */
     cns_number *initial;    /* model->n_states */

@@ -9,6 +9,7 @@
 #include "context.h"
 #include "core/memory.h"
 #include "core/text.h"
+#include "io/provenance.h"
 #include "io/summary.h"
 #include "report.h"
 
@@ -155,8 +156,7 @@ static int sweep(cns_context *s, const cns_classify_spec *spec, const char *obse
     cns_code code = cns_sweep_run(&s->study, &sw, spec, s->o->output, identity, rows, &err);
     int status = cns_context_status(s, code, &err), printed = (int)cns_page_open(&page), done = 0;
     if (!printed) {
-        fprintf(page.file, "# cns %s: modes of %s\n# case: %s, SHA-256 %s\n", CNS_VERSION, s->c->model->title,
-                s->c->name, s->c->sha256);
+        cns_provenance_begin(page.file, s->c, "modes of ", CNS_PROVENANCE_CASE);
         fprintf(page.file, "# sweep: %s\n# maxima: of %s\n", s->o->sweep, observable);
         fprintf(page.file, "%s,%s\n", s->c->model->parameters[sw.parameter].name, CNS_SWEEP_HEADER);
         for (int i = 0; i < n; i++)
@@ -164,10 +164,9 @@ static int sweep(cns_context *s, const cns_classify_spec *spec, const char *obse
                 fprintf(page.file, "%s\n", rows[i]);
                 done++;
             }
-        if (done == n)
-            fprintf(page.file, "# complete\n");
-        else
-            fprintf(page.file, "# stopped: %d of %d rows\n", done, n);
+        char reason[48];
+        snprintf(reason, sizeof reason, "%d of %d rows", done, n);
+        cns_provenance_end(page.file, done == n ? NULL : reason);
         printed = cns_page_print(&page);
     }
     for (int i = 0; i < n; i++)

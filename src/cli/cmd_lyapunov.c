@@ -3,12 +3,12 @@
 #include <string.h>
 
 #include "cns/study/lyapunov.h"
-#include "cns/version.h"
 #include "commands.h"
 #include "context.h"
 #include "core/clock.h"
 #include "core/files.h"
 #include "integrate/trajectory.h"
+#include "io/provenance.h"
 #include "io/summary.h"
 #include "report.h"
 
@@ -35,13 +35,7 @@ static void print_table(FILE *out, const cns_case *c, const cns_lyapunov_result 
 {
     const cns_lyapunov_spec *spec = &c->lyapunov;
     const int decimals = decimals_for(r->se);
-    fprintf(out, "# cns %s: largest Lyapunov exponent: %s\n", CNS_VERSION, c->model->title);
-    fprintf(out, "# case: %s, SHA-256 %s\n", c->name, c->sha256);
-    for (const char *line = c->overrides; line && *line;) {
-        size_t length = strcspn(line, "\n");
-        fprintf(out, "# override: %.*s\n", (int)length, line);
-        line += length + (line[length] == '\n');
-    }
+    cns_provenance_begin(out, c, "largest Lyapunov exponent: ", CNS_PROVENANCE_CASE);
     fprintf(out, "# arithmetic: ");
     print_arithmetic(out, spec, r->order);
     fprintf(
@@ -56,8 +50,9 @@ static void print_table(FILE *out, const cns_case *c, const cns_lyapunov_result 
     for (int b = 0; b < CNS_LYAPUNOV_COUNTS; b++)
         fprintf(out, "%s %d (%g): %.*f", b > 0 ? "," : "", r->batch[b].count, r->batch[b].length, decimals,
                 r->batch[b].se);
-    fprintf(out, "\n# lambda = %.*f +- %.*f over T = %s\n# complete\n", decimals, r->lambda, decimals, r->se,
+    fprintf(out, "\n# lambda = %.*f +- %.*f over T = %s\n", decimals, r->lambda, decimals, r->se,
             spec->time.text);
+    cns_provenance_end(out, NULL);
 }
 
 static void print_summary(FILE *out, const cns_case *c, const cns_lyapunov_result *r, bool *written)

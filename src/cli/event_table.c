@@ -3,10 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/version.h"
 #include "core/files.h"
 #include "core/memory.h"
 #include "core/text.h"
+#include "io/provenance.h"
 #include "report.h"
 
 static cns_code parse_section(cns_event_condition *s, const cns_model *model, const char *text,
@@ -101,13 +101,7 @@ static void print_table(FILE *out, const cns_wanted *w, const cns_context *s, co
 {
     const cns_case *c = s->c;
     const cns_model *m = c->model;
-    fprintf(out, "# cns %s: events of %s\n# equations: %s\n", CNS_VERSION, m->title, m->source);
-    fprintf(out, "# case: %s, SHA-256 %s\n", c->name, c->sha256);
-    for (const char *line = c->overrides; line != NULL && *line != '\0';) {
-        const size_t length = strcspn(line, "\n");
-        fprintf(out, "# override: %.*s\n", (int)length, line);
-        line += length + (line[length] == '\n');
-    }
+    cns_provenance_begin(out, c, "events of ", CNS_PROVENANCE_EQUATIONS);
     fprintf(out, proof
                      ? "# proof: two runs of different precision and order; convergence under refinement and "
                        "measured growth, not interval arithmetic\n"
@@ -118,7 +112,7 @@ static void print_table(FILE *out, const cns_wanted *w, const cns_context *s, co
     fprintf(out, ",decimals\n");
     for (int i = 0; i < events->n; i++)
         print_event(out, &events->event[i], &w->sections[events->event[i].section], m);
-    fprintf(out, reason != NULL ? "# stopped: %s\n" : "# complete\n", reason);
+    cns_provenance_end(out, reason);
 }
 
 int cns_wanted_write(const cns_wanted *w, cns_context *s, const cns_result *result)

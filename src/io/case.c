@@ -1172,8 +1172,10 @@ static char *join_lines(const char *const *lines, int n)
         size += strlen(lines[i]) + 1;
     char *all = cns_xgrow(NULL, size, 1), *to = all;
     for (int i = 0; i < n; i++) {
-        size_t length = strlen(lines[i]);
-        memcpy(to, lines[i], length);
+        char *line = cns_text_printable(lines[i]); /* never longer than the line itself */
+        const size_t length = strlen(line);
+        memcpy(to, line, length);
+        free(line);
         to += length;
         *to++ = i + 1 < n ? '\n' : '\0';
     }
@@ -1216,7 +1218,7 @@ cns_code cns_case_parse(const char *name, const char *text, size_t length, const
         cns_number_init(&l.values[k].number);
     }
     if (l.root != NULL) {
-        l.c->name = cns_xcopy(name);
+        l.c->name = cns_text_printable(name);
         l.c->text = cns_xcopy_n(text, length);
         l.c->length = length;
         cns_sha256_hex(l.c->sha256, text, length);

@@ -5,9 +5,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cns/version.h"
 #include "core/files.h"
 #include "core/memory.h"
+#include "provenance.h"
 
 struct cns_table {
     const cns_case *c;
@@ -50,36 +50,6 @@ static cns_code flush(cns_table *t, cns_error *err)
     return CNS_OK;
 }
 
-static void print_case(cns_table *t)
-{
-    const cns_case *c = t->c;
-    fprintf(t->file, "# cns %s: %s\n", CNS_VERSION, c->model->title);
-    fprintf(t->file, "# equations: %s\n", c->model->source);
-    fprintf(t->file, "# case: %s, SHA-256 %s\n", c->name, c->sha256);
-    for (const char *line = c->text; *line;) {
-        size_t length = strcspn(line, "\r\n");
-        fprintf(t->file, "# | %.*s\n", (int)length, line);
-        line += length;
-        line += strspn(line, "\r") ? strspn(line, "\r") : 0;
-        line += *line == '\n';
-    }
-    for (const char *line = c->overrides; line && *line;) {
-        size_t length = strcspn(line, "\n");
-        fprintf(t->file, "# override: %.*s\n", (int)length, line);
-        line += length + (line[length] == '\n');
-    }
-    fprintf(t->file, "# parameters:");
-    for (int i = 0; i < c->model->n_parameters; i++)
-        fprintf(t->file, "%s %s = %s", i ? "," : "", c->model->parameters[i].name, c->parameters[i].text);
-    fprintf(t->file, "\n# initial:");
-    for (int i = 0; i < c->model->n_states; i++)
-        fprintf(t->file, "%s %s = %s", i ? "," : "", c->model->states[i].name, c->initial[i].text);
-    if (c->smooth)
-        fprintf(t->file, "\n# abs: sqrt(a^2 + eps^2), eps = %s\n", c->eps.text);
-    else
-        fprintf(t->file, "\n# abs: exact\n");
-}
-
 static void print_numerics(FILE *out, const cns_case *c, long digits, mpfr_prec_t prec, int order)
 {
     bool rk4 = c->has_numerics && c->numerics.method == CNS_METHOD_RK4;
@@ -98,7 +68,7 @@ cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err)
     const cns_case *c = t->c;
     FILE *out = t->file;
     if (!t->begun)
-        print_case(t);
+        cns_provenance_begin(out, c, "", CNS_PROVENANCE_WHOLE);
     fprintf(out, t->begun ? "# again, with: " : "# method: ");
     print_numerics(out, c, run->digits, run->prec, run->order);
     if (c->has_numerics && c->numerics.fixed_step)
@@ -146,10 +116,7 @@ static void dispose(cns_table *t)
 cns_code cns_table_close(cns_table *t, const char *reason, cns_error *err)
 {
     cns_code code;
-    if (reason)
-        fprintf(t->file, "# stopped: %s\n", reason);
-    else
-        fprintf(t->file, "# complete\n");
+    cns_provenance_end(t->file, reason);
     code = flush(t, err);
     if (t->path) {
         errno = 0;

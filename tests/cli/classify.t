@@ -82,6 +82,10 @@ $ grep -v '^#' a | cut -d, -f1-6
 > 1.1,flutter,mirror,1,0,15.9529832448
 > 1.2,flutter,mirror,1,0,25.2220502254
 
+= a sweep names what was overridden
+$ cns classify -q "$CASES"/flutter.yaml --set parameters.CT=1.2 --sweep I=1.1:1.1:1 | grep '^# override'
+> # override: parameters.CT=1.2
+
 = faults of the command line
 $ cns classify "$CASES"/flutter.yaml --sweep I=2:1:1 || echo $?
 $ cns classify "$CASES"/flutter.yaml --sweep J=1:2:1 || echo $?

@@ -156,3 +156,23 @@ $ cns check bad.yaml 2>&1 | grep -c "$(printf '\033')" || true
 = a name with a newline and a format in it
 $ cns run "$(printf 'a%%s%%n\nb.yaml')" 2>&1 | grep -c '%s%n'
 > 1
+
+= a newline in the name of a case file breaks no line of a table
+$ name=$(printf 'a\n1,2\nb.yaml'); cp "$CASES"/flutter.yaml "$name"
+$ cns run -q "$name" --set time.end=1 --events e.csv -o t.csv
+$ cns classify -q "$name" --sweep I=1:1:1 > s.csv
+$ cns lyapunov -q "$name" --set lyapunov.time=10 > l.csv
+$ for f in t e s l; do grep '^# case' $f.csv; grep -c -x 1,2 $f.csv || true; done
+> re:^# case: a\?1,2\?b.yaml, SHA-256 
+> 0
+> re:^# case: a\?1,2\?b.yaml, SHA-256 
+> 0
+> re:^# case: a\?1,2\?b.yaml, SHA-256 
+> 0
+> re:^# case: a\?1,2\?b.yaml, SHA-256 
+> 0
+
+= nor does a control character in an override that a later one replaces
+$ cns run -q "$CASES"/flutter.yaml --set "time.end=$(printf '\302\205')" --set time.end=1 | grep '^# override'
+> # override: time.end=?
+> # override: time.end=1

@@ -1,0 +1,22 @@
+/* What every table says of itself in `#` lines: which case it comes from, first, and how it ended, last. */
+#ifndef CNS_IO_PROVENANCE_H
+#define CNS_IO_PROVENANCE_H
+
+#include <stdio.h>
+
+#include "cns/case.h"
+
+/* How much of the case a table tells. Each level has the lines of those before it as well. */
+typedef enum cns_provenance {
+    CNS_PROVENANCE_CASE,      /* the case file's name and SHA-256, and the overrides */
+    CNS_PROVENANCE_EQUATIONS, /* where the equations were published */
+    CNS_PROVENANCE_WHOLE      /* the case file's text, the parameters, the initial state, and abs */
+} cns_provenance;
+
+/* The first line is "# cns VERSION: " with `what` and the title of the model, as in "events of " or "". */
+void cns_provenance_begin(FILE *out, const cns_case *c, const char *what, cns_provenance level);
+
+/* The last line of a table: `# complete`, or `# stopped: REASON` if reason is not NULL. */
+void cns_provenance_end(FILE *out, const char *reason);
+
+#endif
