@@ -18,7 +18,7 @@ void cns_sweep_clear(cns_sweep *s);
 int cns_sweep_count(const cns_sweep *s);
 
 /* The columns of a row. */
-#define CNS_SWEEP_HEADER                                                                               \
+#define CNS_SWEEP_HEADER                                                                                     \
     "mode,symmetry,returns,winding,period,descent,multiplier,lambda,lambda_se,transient,maxima,note"
 
 /* rows[0..count-1]: new texts without a newline, NULL where a job was not done; they begin with the value of
