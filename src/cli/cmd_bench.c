@@ -104,7 +104,7 @@ static bool print_yaml(const cns_bench_row *rows, FILE *out)
     return cns_summary_close(s) != 0;
 }
 
-int cns_cmd_bench(const cns_options *o)
+static int run(const cns_options *o)
 {
     cns_bench_row rows[ROWS] = {{0}};
     cns_error err;
@@ -140,3 +140,18 @@ int cns_cmd_bench(const cns_options *o)
     }
     return status ? status : written ? 0 : cns_complain(CNS_IO, "cannot write the summary");
 }
+
+const cns_command cns_command_bench = {
+    .name = "bench",
+    .run = run,
+    .operands = "",
+    .least = 0,
+    .most = 0,
+    .summary = "measure the speed of the arithmetics on this machine",
+    .details =
+        "Processor time per unit of integrated time, on built-in problems at 60, 120, 300 and 1000\n"
+        "digits: the plain engine (MPFR) and the fast arithmetic with each kernel that the machine\n"
+        "has. x: times as fast as the plain engine; right: digits right at the end, the least of all.\n"
+        "What would not fit into the time is left out.\n",
+    .options = CNS_TAKES(CNS_OPTION_OUTPUT_FILE, CNS_OPTION_YAML, CNS_OPTION_SECONDS, CNS_OPTION_QUIET),
+};

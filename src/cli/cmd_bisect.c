@@ -90,7 +90,7 @@ static void on_progress(void *context, double fraction, const char *what)
     fprintf(stderr, "cns: %s\n", what);
 }
 
-int cns_cmd_bisect(const cns_options *o)
+static int run(const cns_options *o)
 {
     cns_context s;
     cns_bisect_result r = {.decimals = -1};
@@ -100,7 +100,7 @@ int cns_cmd_bisect(const cns_options *o)
         return status;
     if (!s.c->has_bisect) {
         cns_context_close(&s);
-        return cns_complain(CNS_USAGE, "%s: `cns bisect` needs a section `bisect`", o->operands[0]);
+        return cns_complain(CNS_USAGE, "%s: `cns bisect` needs a section `bisect`", o->operands.at[0]);
     }
     listener l = {.s = &s};
     char *identity = identity_of(s.c);
@@ -117,3 +117,22 @@ int cns_cmd_bisect(const cns_options *o)
     cns_context_close(&s);
     return printed ? printed : status;
 }
+
+const cns_command cns_command_bisect = {
+    .name = "bisect",
+    .run = run,
+    .operands = "CASE",
+    .least = 1,
+    .most = 1,
+    .summary = "the critical value of a parameter between two modes",
+    .details =
+        "The section `bisect` of the case names a parameter, a bracket and how many decimals to find.\n"
+        "by: trajectory follows the case's own trajectory until its late motion shows, in halves of\n"
+        "the bracket, with as many digits as the passage by the saddle takes. by: manifold follows the\n"
+        "unstable manifold of a saddle to the next one and asks on which side it passes; the zero of the\n"
+        "distance is found by secants of rising precision. Both ends of the last bracket are probed\n"
+        "twice, with different digits, orders and steps. With -o DIR every probe is kept there, and\n"
+        "the same command goes on where it was stopped.\n",
+    .options = CNS_TAKES(CNS_OPTION_OUTPUT_DIR, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_THREADS,
+                         CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
+};

@@ -3,7 +3,7 @@
 #include "cns/case.h"
 #include "report.h"
 
-int cns_cmd_check(const cns_options *o)
+static int run(const cns_options *o)
 {
     cns_case *c;
     cns_code code = cns_open_case(o, &c);
@@ -20,3 +20,16 @@ int cns_cmd_check(const cns_options *o)
     cns_case_free(c);
     return status;
 }
+
+const cns_command cns_command_check = {
+    .name = "check",
+    .run = run,
+    .operands = "CASE",
+    .least = 1,
+    .most = 1,
+    .summary = "check a case file and print it with all defaults filled in",
+    .details = "All faults are reported, one per line, with line and column. What is printed is a case\n"
+               "file again (sections of studies left out), with the overrides of --set applied.\n"
+               "With -q nothing is printed: the exit status tells.\n",
+    .options = CNS_TAKES(CNS_OPTION_SET, CNS_OPTION_QUIET),
+};

@@ -192,22 +192,37 @@ static int compare(const cns_options *o, const cns_number *delta, cns_table_read
     return cns_page_print(&x.page);
 }
 
-int cns_cmd_compare(const cns_options *o)
+static int run(const cns_options *o)
 {
     cns_number delta;
     cns_error err;
     int status = cns_delta_read(o, &delta);
     if (status)
         return status;
-    if (!strcmp(o->operands[0], "-") && !strcmp(o->operands[1], "-")) {
+    if (!strcmp(o->operands.at[0], "-") && !strcmp(o->operands.at[1], "-")) {
         cns_number_clear(&delta);
         return cns_complain(CNS_USAGE, "only one of the two tables can be standard input");
     }
-    cns_table_reader *a = cns_table_reader_open(o->operands[0], &err);
-    cns_table_reader *b = a ? cns_table_reader_open(o->operands[1], &err) : NULL;
+    cns_table_reader *a = cns_table_reader_open(o->operands.at[0], &err);
+    cns_table_reader *b = a ? cns_table_reader_open(o->operands.at[1], &err) : NULL;
     status = b ? compare(o, &delta, a, b) : cns_complain(err.code, "%s", err.text);
     cns_table_reader_close(a);
     cns_table_reader_close(b);
     cns_number_clear(&delta);
     return status;
 }
+
+const cns_command cns_command_compare = {
+    .name = "compare",
+    .run = run,
+    .operands = "A B",
+    .least = 2,
+    .most = 2,
+    .summary = "compare two tables: agreed decimals, first difference, T_c",
+    .details =
+        "A and B are tables of `cns run`, or any columns of numbers with a header, separated by commas,\n"
+        "semicolons, tabs or blanks. Columns are matched by name and rows by time, exactly; nothing is\n"
+        "interpolated. Printed are the decimals to which both agree in every common row, the first\n"
+        "difference, and T_c with B as the reference; -v adds a column for each quantity.\n",
+    .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_DELTA, CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
+};

@@ -79,7 +79,7 @@ static int print(const cns_context *s, const cns_equilibria *e)
     return status || written ? status : cns_complain(CNS_IO, "cannot write the summary");
 }
 
-int cns_cmd_equilibria(const cns_options *o)
+static int run(const cns_options *o)
 {
     cns_context s;
     cns_equilibria *e;
@@ -95,3 +95,17 @@ int cns_cmd_equilibria(const cns_options *o)
     cns_context_close(&s);
     return printed ? printed : status;
 }
+
+const cns_command cns_command_equilibria = {
+    .name = "equilibria",
+    .run = run,
+    .operands = "CASE",
+    .least = 1,
+    .most = 1,
+    .summary = "fixed points, eigenvalues, stability",
+    .details =
+        "Fixed points of the states that feed back, such as the ways in which a disk can fall steadily,\n"
+        "with the eigenvalues of the equations linearised there. All digits are proven in ball\n"
+        "arithmetic. Only the case's model, parameters and abs matter.\n",
+    .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_DIGITS, CNS_OPTION_QUIET),
+};

@@ -2,21 +2,9 @@
 
 #include <string.h>
 
-#include <gmp.h>
-#include <mpfr.h>
-#include <yaml.h>
-
 #include "cns/case.h"
-#include "cns/version.h"
 #include "core/text.h"
 #include "report.h"
-
-void cns_print_version(FILE *out)
-{
-    /* the libraries that run, not those that were compiled against */
-    fprintf(out, "cns %s (MPFR %s, GMP %s, libyaml %s)\n", CNS_VERSION, mpfr_get_version(), gmp_version,
-            yaml_get_version_string());
-}
 
 static void print_statuses(FILE *out)
 {
@@ -29,8 +17,8 @@ static void print_statuses(FILE *out)
 static void print_overview(FILE *out)
 {
     fputs("cns: trajectories of chaotic systems with every printed decimal right\n\nUsage:\n", out);
-    for (int i = 0; i < cns_command_count(); i++) {
-        const cns_command *c = cns_command_at(i);
+    const cns_command *c;
+    for (int i = 0; (c = cns_command_at(i)) != NULL; i++) {
         char shown[64];
         snprintf(shown, sizeof shown, "%s %s", c->name, c->operands);
         fprintf(out, "  cns %-16s %s\n", shown, c->summary);
@@ -53,12 +41,12 @@ static void print_command(const cns_command *c, FILE *out)
 }
 
 /* `cns help [TOPIC]`, `cns -h`, and `cns COMMAND -h`. */
-int cns_cmd_help(const cns_options *o)
+static int run(const cns_options *o)
 {
     const cns_command *c = o->help && o->command != NULL ? o->command : NULL;
     bool about_case = false;
-    if (c == NULL && o->n_operands > 0) {
-        const char *topic = o->operands[0];
+    if (c == NULL && o->operands.n > 0) {
+        const char *topic = o->operands.at[0];
         c = cns_command_find(topic);
         about_case = c == NULL && strcmp(topic, "case") == 0;
         if (c == NULL && !about_case) {
@@ -82,3 +70,12 @@ int cns_cmd_help(const cns_options *o)
         print_overview(page.file);
     return cns_page_print(&page);
 }
+
+const cns_command cns_command_help = {
+    .name = "help",
+    .run = run,
+    .operands = "[COMMAND]",
+    .least = 0,
+    .most = 1,
+    .summary = "describe a command, or the keys of case files (`help case`)",
+};

@@ -175,7 +175,7 @@ static int print(const cns_context *s, const cns_laws_result *r)
     return status ? status : written ? 0 : cns_complain(CNS_IO, "cannot write the summary");
 }
 
-int cns_cmd_laws(const cns_options *o)
+static int run(const cns_options *o)
 {
     cns_context s;
     cns_error err = {0};
@@ -202,3 +202,20 @@ int cns_cmd_laws(const cns_options *o)
     cns_context_close(&s);
     return status;
 }
+
+const cns_command cns_command_laws = {
+    .name = "laws",
+    .run = run,
+    .operands = "CASE",
+    .least = 1,
+    .most = 1,
+    .summary = "T_c against digits, step and smoothing: runs, fits, errors",
+    .details =
+        "Runs of K digits, of fixed steps and of smoothed absolute values, as `laws` in the case says, all\n"
+        "against one finer reference, and straight lines through their critical predictable times. Errors\n"
+        "of slopes allow for the fluctuation of growth, which all runs share. Runs stop by themselves;\n"
+        "`time: end` is only where to give up, `time: every` the rows. With -o DIR every run is kept, and\n"
+        "the same command does what is missing.\n",
+    .options = CNS_TAKES(CNS_OPTION_OUTPUT_DIR, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_THREADS,
+                         CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
+};

@@ -115,7 +115,7 @@ static int print(const cns_context *s, const cns_lyapunov_result *r)
     return status || written ? status : cns_complain(CNS_IO, "cannot write the summary");
 }
 
-int cns_cmd_lyapunov(const cns_options *o)
+static int run(const cns_options *o)
 {
     cns_context s;
     cns_error err = {0};
@@ -142,3 +142,19 @@ int cns_cmd_lyapunov(const cns_options *o)
     cns_context_close(&s);
     return status;
 }
+
+const cns_command cns_command_lyapunov = {
+    .name = "lyapunov",
+    .run = run,
+    .operands = "CASE",
+    .least = 1,
+    .most = 1,
+    .summary = "the largest Lyapunov exponent, with its standard error",
+    .details =
+        "A tangent is carried along a long trajectory and its mean growth is printed as a table of\n"
+        "t, lambda and standard error; --yaml: as a summary. The section `lyapunov` of the case says\n"
+        "how long (time: 20000) and in which arithmetic: double, or mpfr or fast with digits. A tenth\n"
+        "of that time comes before it and is left out. The error falls like 1/sqrt(time).\n",
+    .options = CNS_TAKES(CNS_OPTION_OUTPUT_FILE, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_QUIET,
+                         CNS_OPTION_VERBOSE),
+};

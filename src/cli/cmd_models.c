@@ -35,11 +35,11 @@ static const char *model_name(int i, const void *context)
     return cns_model_at(i)->name;
 }
 
-int cns_cmd_models(const cns_options *o)
+static int run(const cns_options *o)
 {
     const cns_model *only = NULL;
-    if (o->n_operands > 0) {
-        const char *name = o->operands[0];
+    if (o->operands.n > 0) {
+        const char *name = o->operands.at[0];
         only = cns_model_find(name);
         if (only == NULL) {
             const char *nearest = cns_text_nearest(name, cns_model_count(), model_name, NULL);
@@ -64,3 +64,12 @@ int cns_cmd_models(const cns_options *o)
     }
     return cns_page_print(&page);
 }
+
+const cns_command cns_command_models = {
+    .name = "models",
+    .run = run,
+    .operands = "[MODEL]",
+    .least = 0,
+    .most = 1,
+    .summary = "list the models: states, parameters, derived quantities",
+};

@@ -77,7 +77,7 @@ static int print_summary(const cns_result *result, const cns_case *c)
     return status ? status : written ? 0 : cns_complain(CNS_IO, "cannot write the summary");
 }
 
-int cns_cmd_run(const cns_options *o)
+static int run(const cns_options *o)
 {
     run_context r = {0};
     cns_error err = {0}, io = {0};
@@ -92,7 +92,7 @@ int cns_cmd_run(const cns_options *o)
         return CNS_USAGE;
     }
     cns_wanted wanted = {0};
-    if (o->events == NULL && o->n_sections > 0)
+    if (o->events == NULL && o->sections.n > 0)
         status = cns_complain(CNS_USAGE, "--section names an event for --events FILE, which is missing");
     else if (o->events != NULL)
         status = cns_wanted_open(&wanted, o, c->model);
@@ -140,3 +140,25 @@ int cns_cmd_run(const cns_options *o)
     cns_context_close(&r.cx);
     return status;
 }
+
+const cns_command cns_command_run = {
+    .name = "run",
+    .run = run,
+    .operands = "CASE",
+    .least = 1,
+    .most = 1,
+    .summary = "compute a trajectory and print it as a table",
+    .details =
+        "CASE is a case file, or - for standard input; `cns help case` lists its keys.\n"
+        "With `goal` the program finds digits, order and steps by itself and proves every decimal\n"
+        "it prints with a second, finer run. With `numerics` it computes as told; --prove adds the\n"
+        "second run.\n"
+        "--events writes a second table, when the first is complete: the moments at which the angle\n"
+        "is a multiple of half a turn and its rate is zero (APW: theta = k pi, omega = 0), and those of\n"
+        "--section, with the states there; proven like the rows, by runs of its own. A section is\n"
+        "STATE=VALUE, STATE=VALUE mod PERIOD, or STATE=extremum. `direction` is the sign of the\n"
+        "change (at a maximum -1), 0 where the state only touches. For the events alone: -o /dev/null.\n",
+    .options = CNS_TAKES(CNS_OPTION_OUTPUT_FILE, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_PROVE,
+                         CNS_OPTION_EVENTS, CNS_OPTION_SECTION, CNS_OPTION_THREADS, CNS_OPTION_QUIET,
+                         CNS_OPTION_VERBOSE),
+};

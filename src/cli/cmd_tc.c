@@ -139,7 +139,7 @@ static int refuse(const cns_case *c)
     return CNS_USAGE;
 }
 
-int cns_cmd_tc(const cns_options *o)
+static int run(const cns_options *o)
 {
     tc_context tc = {0};
     cns_error err = {0};
@@ -185,3 +185,21 @@ int cns_cmd_tc(const cns_options *o)
     cns_number_clear(&delta);
     return status;
 }
+
+const cns_command cns_command_tc = {
+    .name = "tc",
+    .run = run,
+    .operands = "CASE",
+    .least = 1,
+    .most = 1,
+    .summary = "critical predictable time of a run by numerics",
+    .details =
+        "How long the run that `numerics` describes can be trusted: the first row at which it differs\n"
+        "from a finer run by more than delta, refined inside the interval before that row. For an\n"
+        "observable u that is |1 - u1/u2| > delta; for `norm`, the distance of the states that feed\n"
+        "back, each divided by its typical size, > delta. With `digits: K` every state is rounded to K\n"
+        "significant decimals after every step. The finer run is a Taylor run with more digits, chosen\n"
+        "so that its own error stays far below delta.\n",
+    .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_DELTA, CNS_OPTION_REFERENCE_DIGITS,
+                         CNS_OPTION_THREADS, CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
+};

@@ -1,23 +1,28 @@
-/* The commands: cns_cmd_NAME takes the parsed command line and returns an exit status. */
+/* The commands: each is described whole in its own file, and commands.def lists them. */
 #ifndef CNS_CLI_COMMANDS_H
 #define CNS_CLI_COMMANDS_H
 
 #include "options.h"
 
-int cns_cmd_run(const cns_options *o);
-int cns_cmd_tc(const cns_options *o);
-int cns_cmd_laws(const cns_options *o);
-int cns_cmd_compare(const cns_options *o);
-int cns_cmd_plan(const cns_options *o);
-int cns_cmd_lyapunov(const cns_options *o);
-int cns_cmd_classify(const cns_options *o);
-int cns_cmd_equilibria(const cns_options *o);
-int cns_cmd_bisect(const cns_options *o);
-int cns_cmd_check(const cns_options *o);
-int cns_cmd_models(const cns_options *o);
-int cns_cmd_bench(const cns_options *o);
-int cns_cmd_help(const cns_options *o);
+typedef struct cns_command {
+    const char *name;
+    int (*run)(const cns_options *o); /* an exit status */
+    const char *operands;             /* as shown in the usage */
+    int least, most;                  /* how many operands */
+    const char *summary;
+    const char *details; /* paragraphs for `cns help NAME`; NULL: the summary says it all */
+    const cns_option
+        *options; /* in the order of the help, made by CNS_TAKES; NULL: only those of every command */
+} cns_command;
 
-void cns_print_version(FILE *out);
+#define CNS_TAKES(...) ((const cns_option[]){__VA_ARGS__, CNS_OPTIONS_END})
+
+#define COMMAND(name) extern const cns_command cns_command_##name;
+#include "commands.def"
+#undef COMMAND
+
+const cns_command *cns_command_at(int i); /* from 0; NULL: there are no more */
+const cns_command *cns_command_find(const char *name);
+const char *cns_command_nearest(const char *name); /* NULL: nothing near */
 
 #endif

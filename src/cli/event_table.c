@@ -44,8 +44,8 @@ int cns_wanted_open(cns_wanted *w, const cns_options *o, const cns_model *model)
     const cns_model_motion *motion = model->motion;
     cns_code code = CNS_OK;
     *w = (cns_wanted){.o = o};
-    w->sections = cns_xalloc((size_t)o->n_sections + 2, sizeof *w->sections);
-    for (int i = 0; i < o->n_sections + 2; i++)
+    w->sections = cns_xalloc((size_t)o->sections.n + 2, sizeof *w->sections);
+    for (int i = 0; i < o->sections.n + 2; i++)
         cns_event_condition_init(&w->sections[i]);
     if (motion != NULL) {
         char text[32];
@@ -57,8 +57,8 @@ int cns_wanted_open(cns_wanted *w, const cns_options *o, const cns_model *model)
         if (motion->rate >= 0)
             w->sections[w->n++].state = motion->rate;
     }
-    for (int i = 0; i < o->n_sections && !code; i++)
-        code = parse_section(&w->sections[w->n++], model, o->sections[i], &err);
+    for (int i = 0; i < o->sections.n && !code; i++)
+        code = parse_section(&w->sections[w->n++], model, o->sections.at[i], &err);
     if (!code && w->n == 0)
         code = cns_fail(&err, CNS_USAGE, "model %s has no events of its own: name one with --section",
                         model->name);
@@ -70,7 +70,7 @@ int cns_wanted_open(cns_wanted *w, const cns_options *o, const cns_model *model)
 
 void cns_wanted_close(cns_wanted *w)
 {
-    for (int i = 0; w->sections != NULL && i < w->o->n_sections + 2; i++)
+    for (int i = 0; w->sections != NULL && i < w->o->sections.n + 2; i++)
         cns_event_condition_clear(&w->sections[i]);
     free(w->sections);
     w->sections = NULL;

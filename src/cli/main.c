@@ -1,7 +1,10 @@
 #include <signal.h>
 
+#include <gmp.h>
 #include <mpfr.h>
+#include <yaml.h>
 
+#include "cns/version.h"
 #include "commands.h"
 #include "report.h"
 
@@ -11,7 +14,9 @@ static int print_version(void)
     cns_code code = cns_page_open(&page);
     if (code != CNS_OK)
         return (int)code;
-    cns_print_version(page.file);
+    /* the libraries that run, not those that were compiled against */
+    fprintf(page.file, "cns %s (MPFR %s, GMP %s, libyaml %s)\n", CNS_VERSION, mpfr_get_version(), gmp_version,
+            yaml_get_version_string());
     return cns_page_print(&page);
 }
 
@@ -29,7 +34,7 @@ int main(int argc, char **argv)
     else if (o.version)
         status = print_version();
     else if (o.help)
-        status = cns_cmd_help(&o);
+        status = cns_command_help.run(&o);
     else
         status = o.command->run(&o);
     cns_options_clear(&o);

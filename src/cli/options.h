@@ -1,4 +1,4 @@
-/* The command line: one table of commands and one of options drive parsing, help and suggestions. */
+/* The command line: options.def lists the options, and drives parsing, help and suggestions. */
 #ifndef CNS_CLI_OPTIONS_H
 #define CNS_CLI_OPTIONS_H
 
@@ -11,38 +11,34 @@
 #define CNS_MAX_DECIMALS 10000
 #define CNS_MAX_SECONDS  1000000
 
+struct cns_command;
+
+/* The values of an option that may be given many times, in order. */
+typedef struct cns_texts {
+    const char **at;
+    int n;
+} cns_texts;
+
 typedef struct cns_options {
     const struct cns_command *command; /* NULL: none given */
-    const char *const *operands;       /* n_operands */
-    int n_operands;
-    const char *const *sets; /* --set, in order */
-    int n_sets;
-    const char *const *sections; /* --section, in order */
-    int n_sections;
-    bool yaml, prove, quiet, help, version;
-    int verbose; /* how many -v */
+    cns_texts operands;
 
-    /* NULL or 0: not given */
-    const char *output, *events, *delta, *until, *sweep, *observable;
-    long threads, reference_digits, decimals, digits;
-    double seconds;
-
-    const char **list; /* room for operands, sets and sections */
+    /* One member for each name in options.def; the kind of the option says of which type. */
+    bool yaml, prove, quiet, help, version;                   /* FLAG: given? */
+    int verbose;                                              /* COUNT: how many times */
+    const char *output, *events, *until, *sweep, *observable; /* TEXT; NAME, not empty; NULL: not given */
+    const char *delta;                                        /* RATIONAL: a number > 0, no multiple of pi */
+    long threads, reference_digits, decimals, digits;         /* INTEGER: in its range; 0: not given */
+    double seconds;                                           /* POSITIVE: > 0; 0: not given */
+    cns_texts sets, sections;                                 /* LIST */
 } cns_options;
 
-typedef struct cns_command {
-    const char *name;
-    int (*run)(const cns_options *o); /* an exit status */
-    const char *operands;             /* as shown in the usage */
-    int least, most;                  /* how many operands */
-    const char *summary;
-    const char *details; /* paragraphs for `cns help NAME` */
-} cns_command;
-
-int cns_command_count(void);
-const cns_command *cns_command_at(int i);
-const cns_command *cns_command_find(const char *name);
-const char *cns_command_nearest(const char *name); /* NULL: nothing near */
+typedef enum cns_option {
+#define OPTION(id, ...) CNS_OPTION_##id,
+#include "options.def"
+#undef OPTION
+    CNS_OPTIONS_END
+} cns_option;
 
 /* CNS_USAGE with a message in err when the line is wrong. With help or version set the rest was not
  * checked. argv must outlive o; cns_options_clear() frees the lists. */
@@ -50,6 +46,6 @@ cns_code cns_options_parse(cns_options *o, int argc, char *const *argv, cns_erro
 void cns_options_clear(cns_options *o);
 
 /* The options that a command takes, one per line; NULL: those that every command takes. */
-void cns_options_print(const cns_command *command, FILE *out);
+void cns_options_print(const struct cns_command *command, FILE *out);
 
 #endif

@@ -22,7 +22,7 @@ int cns_complain(cns_code code, const char *format, ...)
 cns_code cns_open_case(const cns_options *o, cns_case **c)
 {
     char *report = NULL;
-    cns_code code = cns_case_load(o->operands[0], o->sets, o->n_sets, c, &report);
+    cns_code code = cns_case_load(o->operands.at[0], o->sets.at, o->sets.n, c, &report);
     if (report != NULL && code == CNS_USAGE)
         fprintf(stderr, "%s\n", report); /* the lines begin with the place, as compilers have it */
     else if (report != NULL)
