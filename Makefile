@@ -24,15 +24,13 @@ endif
 
 WARNINGS    := -Wall -Wextra -Wshadow -Wconversion $(if $(filter 1,$(WERROR)),-Werror)
 # No contraction: a fused multiply-add gives other bits than a multiplication and an addition.
-ALL_CFLAGS   = -std=c11 $(CFLAGS) $(VARIANT_$(VARIANT)) $(WARNINGS) -ffp-contract=off -pthread $(OPENMP)
+ALL_CFLAGS   = -std=c11 $(CFLAGS) $(VARIANT_$(VARIANT)) $(WARNINGS) -ffp-contract=off -pthread
 ALL_CPPFLAGS = -D_POSIX_C_SOURCE=200809L -Iinclude -Isrc $(CPPFLAGS)
 ALL_LDLIBS   = $(FLINT) -lmpfr -lgmp -lyaml $(LDLIBS) -lm
 COMPILE      = $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS)
 LINK         = $(CC) $(ALL_CFLAGS) $(LDFLAGS)
 # Does the compiler link these options? $(1): options; the answer is the options, or nothing.
 links = $(shell echo 'int main(void) { return 0; }' | $(CC) $(LDFLAGS) -x c - $(1) -o /dev/null 2>/dev/null && echo $(1))
-# Ensembles run one after another where the compiler has no OpenMP (clang without libomp).
-OPENMP := $(or $(call links,-fopenmp),-Wno-unknown-pragmas)
 # Arb has a library of its own before FLINT 3. Recursive: asked for when tools/install_deps has run.
 FLINT   = $(or $(call links,-lflint-arb -lflint),$(call links,-larb -lflint),-lflint)
 # Recursive: asked for only when the tests are linked, after tools/install_deps has run.

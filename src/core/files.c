@@ -1,6 +1,7 @@
 #include "files.h"
 
 #include <errno.h>
+#include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -39,6 +40,9 @@ static bool special(const char *path)
     return stat(path, &what) == 0 && (!S_ISREG(what.st_mode) || strncmp(path, "/dev/", 5) == 0);
 }
 
+/* There is one umask for all threads, and reading it changes it. */
+static pthread_mutex_t umask_lock = PTHREAD_MUTEX_INITIALIZER;
+
 FILE *cns_file_create(const char *path, char **aside)
 {
     const size_t size = strlen(path) + 8;
@@ -49,11 +53,10 @@ FILE *cns_file_create(const char *path, char **aside)
     snprintf(*aside, size, "%s.XXXXXX", path);
     const int fd = mkstemp(*aside);
     mode_t mask;
-#pragma omp critical(cns_umask) /* there is one for all threads, and reading it changes it */
-    {
-        mask = umask(0);
-        umask(mask);
-    }
+    pthread_mutex_lock(&umask_lock);
+    mask = umask(0);
+    umask(mask);
+    pthread_mutex_unlock(&umask_lock);
     if (fd >= 0)
         fchmod(fd, 0666 & ~mask); /* mkstemp is for secrets; this has the mode of any new file */
     FILE *f = fd >= 0 ? fdopen(fd, "w") : NULL;

@@ -1,5 +1,6 @@
 #include "ensemble.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +9,7 @@
 #include "core/files.h"
 #include "core/memory.h"
 #include "core/sha256.h"
-#include "integrate/trajectory.h"
+#include "num/flint.h"
 
 struct cns_ensemble_job {
     struct gang *gang;
@@ -16,11 +17,14 @@ struct cns_ensemble_job {
     double cost, fraction;
 };
 
-/* The state of a run; every thread reads and writes it inside the critical section `ensemble`. */
+/* The state of a run; threads read and write it under its lock. */
 typedef struct gang {
+    pthread_mutex_t lock;
     const cns_ensemble *e;
-    cns_ensemble_job *jobs;
-    double total, done; /* costs of what had to be computed, and of what has been */
+    char **results;
+    cns_ensemble_job *jobs; /* the longest first */
+    int next;               /* to be done */
+    double total, done;     /* costs of what had to be computed, and of what has been */
     int ended, missing;
     double next_word; /* when to speak again */
     bool halt;        /* a job has failed */
@@ -44,21 +48,12 @@ static void speak(gang *g, bool now)
 
 void cns_ensemble_tell(cns_ensemble_job *job, double fraction)
 {
-#pragma omp critical(cns_ensemble)
-    {
-        gang *g = job->gang;
-        g->done += (fraction - job->fraction) * job->cost;
-        job->fraction = fraction;
-        speak(g, false);
-    }
-}
-
-static bool halted(gang *g)
-{
-    bool halt;
-#pragma omp critical(cns_ensemble)
-    halt = g->halt || (g->e->study->stop != NULL && *g->e->study->stop);
-    return halt;
+    gang *g = job->gang;
+    pthread_mutex_lock(&g->lock);
+    g->done += (fraction - job->fraction) * job->cost;
+    job->fraction = fraction;
+    speak(g, false);
+    pthread_mutex_unlock(&g->lock);
 }
 
 /* Files begin with a line that ties them and what they say to the job, and end with one that shows them to be
@@ -115,28 +110,63 @@ static cns_code keep(const cns_ensemble *e, int i, const char *result, cns_error
     return code;
 }
 
-static void work(gang *g, cns_ensemble_job *job, char **results)
+static void work(gang *g, cns_ensemble_job *job)
 {
     const cns_ensemble *e = g->e;
     const int i = job->number;
     cns_error err = {0};
     char *result = NULL;
-    if (halted(g))
-        return;
     cns_code code = e->run(e->context, i, job, &result, &err);
     if (code == CNS_OK && e->directory != NULL)
         code = keep(e, i, result, &err);
-    results[i] = result;
-#pragma omp critical(cns_ensemble)
-    {
-        g->codes[i] = code;
-        g->errors[i] = err;
-        g->halt = g->halt || code != CNS_OK;
-        g->done += (1 - job->fraction) * job->cost;
-        job->fraction = 1;
-        g->ended += code == CNS_OK;
-        speak(g, true);
-    }
+    g->results[i] = result;
+    pthread_mutex_lock(&g->lock);
+    g->codes[i] = code;
+    g->errors[i] = err;
+    g->halt = g->halt || code != CNS_OK;
+    g->done += (1 - job->fraction) * job->cost;
+    job->fraction = 1;
+    g->ended += code == CNS_OK;
+    speak(g, true);
+    pthread_mutex_unlock(&g->lock);
+}
+
+/* The next job; NULL: there is none, or no more shall be begun. */
+static cns_ensemble_job *take(gang *g)
+{
+    pthread_mutex_lock(&g->lock);
+    const bool halt = g->halt || (g->e->study->stop != NULL && *g->e->study->stop);
+    cns_ensemble_job *job = halt || g->next == g->missing ? NULL : &g->jobs[g->next++];
+    pthread_mutex_unlock(&g->lock);
+    return job;
+}
+
+static void work_on(gang *g)
+{
+    for (cns_ensemble_job *job; (job = take(g)) != NULL;)
+        work(g, job);
+}
+
+static void *helper(void *context)
+{
+    work_on(context);
+    flint_cleanup(); /* what FLINT and MPFR keep for this thread */
+    return NULL;
+}
+
+/* The calling thread and as many others as there are jobs and threads for. Where the system grants fewer,
+ * these do all the work. */
+static void work_together(gang *g)
+{
+    const int threads = g->e->study->threads < g->missing ? g->e->study->threads : g->missing;
+    pthread_t *thread = cns_xalloc((size_t)(threads > 0 ? threads : 1), sizeof *thread);
+    int others = 0;
+    while (others < threads - 1 && pthread_create(&thread[others], NULL, helper, g) == 0)
+        others++;
+    work_on(g);
+    while (others > 0)
+        pthread_join(thread[--others], NULL);
+    free(thread);
 }
 
 static int costlier(const void *a, const void *b)
@@ -168,7 +198,9 @@ cns_code cns_ensemble_run(const cns_ensemble *e, char **results, cns_error *err)
     if (e->directory != NULL && cns_directory_make(e->directory, err) != CNS_OK)
         return err->code;
     const size_t n = (size_t)e->n;
-    gang g = {.e = e,
+    gang g = {.lock = PTHREAD_MUTEX_INITIALIZER,
+              .e = e,
+              .results = results,
               .jobs = cns_xalloc(n, sizeof *g.jobs),
               .codes = cns_xalloc(n, sizeof *g.codes),
               .errors = cns_xalloc(n, sizeof *g.errors)};
@@ -181,9 +213,7 @@ cns_code cns_ensemble_run(const cns_ensemble *e, char **results, cns_error *err)
         g.total += g.jobs[g.missing++].cost;
     }
     qsort(g.jobs, (size_t)g.missing, sizeof *g.jobs, costlier);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(e->study->threads)
-    for (int j = 0; j < g.missing; j++)
-        work(&g, &g.jobs[j], results);
+    work_together(&g);
     cns_code code = verdict(&g, err);
     free(g.jobs);
     free(g.codes);
