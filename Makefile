@@ -24,7 +24,10 @@ endif
 
 WARNINGS    := -Wall -Wextra -Wshadow -Wconversion $(if $(filter 1,$(WERROR)),-Werror)
 # No contraction: a fused multiply-add gives other bits than a multiplication and an addition.
-ALL_CFLAGS   = -std=c11 $(CFLAGS) $(VARIANT_$(VARIANT)) $(WARNINGS) -ffp-contract=off -pthread
+# Both libraries are made of the same objects: position-independent ones cost the program nothing that can be
+# measured, since only what the public headers declare is visible (CNS_BEGIN_DECLS in include/cns/status.h).
+ALL_CFLAGS   = -std=c11 $(CFLAGS) $(VARIANT_$(VARIANT)) $(WARNINGS) -ffp-contract=off -fPIC -fvisibility=hidden \
+               -pthread
 ALL_CPPFLAGS = -D_POSIX_C_SOURCE=200809L -Iinclude -Isrc $(CPPFLAGS)
 ALL_LDLIBS   = $(FLINT) -lmpfr -lgmp -lyaml $(LDLIBS) -lm
 COMPILE      = $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS)
@@ -48,6 +51,10 @@ FORMATTED     := $(LIB_SOURCES) $(CLI_SOURCES) $(TEST_SOURCES) $(TOOL_SOURCES) $
 quoted  = '$(subst ','\'',$(1))'
 objects = $(patsubst %.c,$(B)/obj/%.o,$(1))
 LIB     := $(B)/libcns.a
+# libcns.so, for the compiler, is a link to libcns.so.0, for programs, and that to the file libcns.so.0.1.0. The
+# first number of the version changes when a program made with an earlier one would no longer run.
+SONAME  := libcns.so.$(firstword $(subst ., ,$(VERSION)))
+SHARED  := $(B)/libcns.so.$(VERSION)
 PROGRAM := $(B)/cns
 TESTS   := $(B)/cns-tests
 TOOLS   := $(patsubst tools/%.c,$(B)/%,$(TOOL_SOURCES))
@@ -75,11 +82,11 @@ VALGRIND = CNS_KERNEL=portable CK_DEFAULT_TIMEOUT=36000 valgrind -q --error-exit
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
-all: $(PROGRAM) $(LIB)
+all: $(PROGRAM) $(LIB) $(SHARED)
 
 help:
 	@printf '%s\n' \
-	'make              the program $(PROGRAM) and the library $(LIB)' \
+	'make              the program $(PROGRAM) and the libraries $(LIB) and $(SHARED)' \
 	'make run          install what is missing, build, run $(CASE) (CASE=FILE: another)' \
 	'make check        install what is missing, build, run all tests (T="number cli": some)' \
 	'make check-san    the tests under AddressSanitizer and UBSan' \
@@ -164,6 +171,9 @@ $(LIB): $(call objects,$(LIB_SOURCES)) $(B)/sources
 	@rm -f $@
 	$(AR) rcs $@ $(filter %.o,$^)
 
+$(SHARED): $(call objects,$(LIB_SOURCES)) $(B)/sources
+	$(LINK) -shared -Wl,-soname,$(SONAME) $(filter %.o,$^) $(ALL_LDLIBS) -o $@
+
 $(PROGRAM): $(call objects,$(CLI_SOURCES)) $(LIB)
 	$(LINK) $(filter %.o %.a,$^) $(ALL_LDLIBS) -o $@
 
@@ -186,23 +196,27 @@ $(B)/flags $(B)/sources $(B)/suites.def: FORCE
 
 -include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(TEST_SOURCES) $(TOOL_SOURCES)))
 
-# Installing.
+# Installing. The folder include/cns is ours alone; the other folders are shared, and stay.
 
 install: all
-	install -d $(DESTDIR)$(bindir) $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(includedir)/cns
+	install -d $(DESTDIR)$(bindir) $(DESTDIR)$(libdir)/pkgconfig
 	install -m 755 $(PROGRAM) $(DESTDIR)$(bindir)/cns
 	install -m 644 $(LIB) $(DESTDIR)$(libdir)/libcns.a
-	install -m 644 $(HEADERS) $(DESTDIR)$(includedir)/cns
+	install -m 644 $(SHARED) $(DESTDIR)$(libdir)
+	ln -sf $(notdir $(SHARED)) $(DESTDIR)$(libdir)/$(SONAME)
+	ln -sf $(SONAME) $(DESTDIR)$(libdir)/libcns.so
+	rm -rf $(DESTDIR)$(includedir)/cns
+	for h in $(HEADERS:include/%=%); do install -D -m 644 include/$$h $(DESTDIR)$(includedir)/$$h || exit 1; done
 	printf '%s\n' 'prefix=$(prefix)' 'libdir=$(call under_prefix,$(libdir))' \
 	    'includedir=$(call under_prefix,$(includedir))' '' \
 	    'Name: cns' 'Description: Clean Numerical Simulation of chaotic ODEs' 'Version: $(VERSION)' \
-	    'Requires: mpfr gmp yaml-0.1' 'Cflags: -I$${includedir} -pthread' \
-	    'Libs: -L$${libdir} -lcns -pthread -lm' > $(DESTDIR)$(libdir)/pkgconfig/cns.pc
+	    'Requires: mpfr gmp' 'Requires.private: yaml-0.1' 'Cflags: -I$${includedir}' 'Libs: -L$${libdir} -lcns' \
+	    'Libs.private: $(FLINT) -pthread -lm' > $(DESTDIR)$(libdir)/pkgconfig/cns.pc
+	@[ -n '$(DESTDIR)' ] || PATH=$$PATH:/sbin:/usr/sbin ldconfig 2>/dev/null || true
 
 uninstall:
-	rm -f $(DESTDIR)$(bindir)/cns $(DESTDIR)$(libdir)/libcns.a $(DESTDIR)$(libdir)/pkgconfig/cns.pc
-	rm -f $(addprefix $(DESTDIR)$(includedir)/cns/,$(notdir $(HEADERS)))
-	-rmdir $(DESTDIR)$(includedir)/cns
+	rm -f $(addprefix $(DESTDIR),$(bindir)/cns $(libdir)/libcns.a $(libdir)/libcns.so* $(libdir)/pkgconfig/cns.pc)
+	rm -rf $(DESTDIR)$(includedir)/cns
 
 CLANG_FORMAT ?= clang-format
 format:

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "integrate/meetings.h"
+#include "cns/events.h"
 #include "problem.h"
 
 enum { MOST = 4096, DIGITS = 40 };

@@ -10,6 +10,7 @@
 #include "cns/solve.h"
 #include "core/clock.h"
 #include "integrate/trajectory.h"
+#include "num/decimal_text.h"
 #include "problem.h"
 #include "solve/solve_internal.h"
 #include "taylor/program_internal.h"

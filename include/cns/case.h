@@ -12,6 +12,8 @@
 #include "cns/status.h"
 #include "cns/study.h"
 
+CNS_BEGIN_DECLS
+
 typedef struct cns_case {
     char
         *name; /* of the file, "<stdin>" for standard input; fit for one line: what is no text is '?' in it */
@@ -57,5 +59,7 @@ void cns_case_print(const cns_case *c, FILE *out);
 void cns_case_print_keys(FILE *out);
 
 const char *cns_case_column_name(const cns_case *c, int column);
+
+CNS_END_DECLS
 
 #endif

@@ -1,46 +1,64 @@
-/* Tables of events: the moments at which a trajectory meets given sections, with the states there.
+/* Sections: the moments at which a trajectory meets given conditions, found from the polynomials of its
+ * steps.
  *
- * Under a proof two runs of different precision, order and steps find their events independently. The i-th
- * meeting with each section must be the same in both; e = 16 max(their difference, what the measured growth
- * makes of the coarser run's noise, carried along the flow to the section) bounds the error of time and
- * states, and a text is right when value - e and value + e both have it. Where the runs disagree on what
- * happens (a touch that may be no meeting, or two), the table ends before. */
+ * A section is a condition on one state: state = value, state = value + k period for any integer k, or an
+ * extremum of the state. After each step of a flow the meetings inside it, t0 < t <= t1, are isolated by
+ * the polynomial's Bernstein coefficients, not by sampling, and refined to the precision of the flow; two in
+ * a step, and one exactly at its end, are both found, each once. Nothing at t = 0 counts.
+ *
+ * A section may be touched without being crossed. What can be said of that in finite precision is that the
+ * distance has an extremum and is there below the noise of the step: then direction is 0. Two crossings
+ * whose excursion is below that noise are such a touch, too. */
 #ifndef CNS_EVENTS_H
 #define CNS_EVENTS_H
 
-#include "cns/solve.h"
-#include "integrate/meetings.h"
+#include "cns/flow.h"
 
-typedef struct cns_event {
+CNS_BEGIN_DECLS
+
+typedef enum cns_condition_kind {
+    CNS_CONDITION_VALUE,   /* state = value */
+    CNS_CONDITION_PERIODS, /* state = value + k period */
+    CNS_CONDITION_EXTREMUM /* the state's derivative vanishes; value is not used */
+} cns_condition_kind;
+
+typedef struct cns_event_condition {
+    cns_condition_kind kind;
+    int state;
+    cns_number value, period; /* period > 0 */
+} cns_event_condition;
+
+typedef struct cns_meeting {
     int section;
-    long k;        /* see sections.h */
-    int direction; /* -1, 1; 0: touched */
-    char *time;
-    char **state;  /* texts, n_states */
-    long decimals; /* proven; -1: no proof */
-} cns_event;
+    long k;        /* CNS_CONDITION_PERIODS: the state is value + k period */
+    int direction; /* sign of the change of state (of its derivative, at an extremum: -1 is a maximum); 0:
+                      touched only */
+    double rate;   /* that change per unit of time */
+    mpfr_t time;
+    mpfr_t *state; /* all states; the section's own is exactly the value, rounded */
+} cns_meeting;
 
-typedef struct cns_events {
-    int n, n_states;
-    cns_event *event;
-} cns_events;
+typedef struct cns_meetings cns_meetings;
 
-/* How to run. Proven: digits > 0, the digits of the finer run of a goal that has been reached, and the places
- * wanted. By given numerics: numerics, and prove or not. */
-typedef struct cns_events_spec {
-    const cns_event_condition *sections;
-    int n_sections;
-    long digits;
-    cns_places places;
-    long count;
-    const cns_numerics *numerics; /* NULL: by digits */
-    bool prove;
-} cns_events_spec;
+/* For flows of programs with n_states states at this precision, of these scales. The sections are copied. */
+cns_meetings *cns_meetings_new(const cns_event_condition *section, int n, int n_states, const double *scales,
+                               mpfr_prec_t prec, cns_error *err);
+void cns_meetings_free(cns_meetings *s);
 
-/* Events in 0 < t <= the problem's end. CNS_UNREACHED: the two runs differ from some event on; the events
- * before it stand. */
-cns_code cns_solve_events(const cns_problem *p, const cns_events_spec *spec, cns_events *events,
-                          cns_error *err);
-void cns_events_clear(cns_events *events);
+/* After cns_flow_start(). */
+void cns_meetings_start(cns_meetings *s);
+
+/* After each step: finds the meetings in it. */
+cns_code cns_meetings_follow(cns_meetings *s, cns_flow *f, cns_error *err);
+
+/* Those of the last step in order of time; valid until the next call. */
+int cns_meetings_count(const cns_meetings *s);
+const cns_meeting *cns_meetings_meeting(const cns_meetings *s, int i);
+
+void cns_event_condition_init(cns_event_condition *s);
+void cns_event_condition_clear(cns_event_condition *s);
+void cns_event_condition_set(cns_event_condition *s, const cns_event_condition *from);
+
+CNS_END_DECLS
 
 #endif

@@ -14,6 +14,8 @@
 #include "cns/program.h"
 #include "cns/status.h"
 
+CNS_BEGIN_DECLS
+
 typedef enum cns_method {
     CNS_METHOD_TAYLOR, /* Taylor series, order and step as below, landing on kinks */
     CNS_METHOD_RK4     /* the classical Runge-Kutta method, fixed step, blind to kinks */
@@ -111,5 +113,7 @@ void cns_flow_eval(cns_flow *f, const mpq_t t, mpfr_t *x);
 /* The dense output of the last step, one state's polynomial: x(t0 + u unit) = sum_k c_k u^k, coefficients
  * 0..*degree, valid until the next step or call. Only after a step. */
 mpfr_t *cns_flow_polynomial(cns_flow *f, int state, int *degree, mpfr_t unit);
+
+CNS_END_DECLS
 
 #endif

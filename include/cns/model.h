@@ -6,6 +6,8 @@
 #include "cns/program.h"
 #include "cns/status.h"
 
+CNS_BEGIN_DECLS
+
 typedef struct cns_model_state {
     const char *name;
     const char *meaning;
@@ -84,5 +86,7 @@ const cns_model *cns_model_find(const char *name); /* NULL when there is none */
 /* A finished program of the model. The parameters are checked against nothing: case files do that. */
 cns_code cns_model_program(const cns_model *m, const cns_number *parameters,
                            const cns_program_options *options, cns_program **program, cns_error *err);
+
+CNS_END_DECLS
 
 #endif

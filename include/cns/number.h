@@ -15,6 +15,8 @@
 
 #include "cns/status.h"
 
+CNS_BEGIN_DECLS
+
 #define CNS_NUMBER_MAX_EXPONENT 100000
 #define CNS_NUMBER_MAX_TEXT     20000
 
@@ -23,6 +25,12 @@ typedef struct cns_number {
     mpq_t ratio; /* value = ratio * pi^pi_power */
     int pi_power;
 } cns_number;
+
+/* How many places a printed value has: a count of decimals, or of significant digits. */
+typedef enum cns_places {
+    CNS_PLACES_DECIMALS,   /* so many digits after the point: -0.0123; never -0.0000 */
+    CNS_PLACES_SIGNIFICANT /* so many significant digits: -1.23e-02; zero is 0 */
+} cns_places;
 
 void cns_number_init(cns_number *x); /* 0 */
 void cns_number_clear(cns_number *x);
@@ -42,5 +50,7 @@ bool cns_number_is_decimal(const cns_number *x);              /* a finite decima
 /* ratio * count, exactly, as a finite decimal without an exponent ("12.5"); a new string, or NULL when
  * it is not a finite decimal. Used for the times of rows. */
 char *cns_number_multiple_text(const cns_number *x, unsigned long count);
+
+CNS_END_DECLS
 
 #endif

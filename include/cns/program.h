@@ -17,6 +17,8 @@
 #include "cns/number.h"
 #include "cns/status.h"
 
+CNS_BEGIN_DECLS
+
 typedef struct cns_program cns_program;
 typedef int cns_node; /* index of a node; -1 is invalid */
 
@@ -65,5 +67,7 @@ double cns_program_smooth_log2(const cns_program *p); /* log2 of its eps */
 bool cns_program_is_dynamic(const cns_program *p, int i);
 
 void cns_program_print(const cns_program *p, FILE *out); /* one operation per line */
+
+CNS_END_DECLS
 
 #endif

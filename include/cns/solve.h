@@ -11,8 +11,11 @@
 #ifndef CNS_SOLVE_H
 #define CNS_SOLVE_H
 
+#include "cns/events.h"
 #include "cns/flow.h"
-#include "num/decimal_text.h"
+#include "cns/number.h"
+
+CNS_BEGIN_DECLS
 
 /* A column of the table: a state, a derived quantity, or the time. */
 typedef enum cns_column_kind { CNS_COLUMN_TIME, CNS_COLUMN_STATE, CNS_COLUMN_OUTPUT } cns_column_kind;
@@ -115,5 +118,47 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *numerics, 
  * the end, and err says why. */
 cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_schedule *schedule,
                   cns_error *err);
+
+/* Tables of events: the moments at which a trajectory meets given conditions (cns/events.h), with the states
+ * there.
+ *
+ * Under a proof two runs of different precision, order and steps find their events independently. The i-th
+ * meeting with each condition must be the same in both; e = 16 max(their difference, what the measured growth
+ * makes of the coarser run's noise, carried along the flow to the section) bounds the error of time and
+ * states, and a text is right when value - e and value + e both have it. Where the runs disagree on what
+ * happens (a touch that may be no meeting, or two), the table ends before. */
+typedef struct cns_event {
+    int section;
+    long k;        /* see cns_meeting */
+    int direction; /* -1, 1; 0: touched */
+    char *time;
+    char **state;  /* texts, n_states */
+    long decimals; /* proven; -1: no proof */
+} cns_event;
+
+typedef struct cns_events {
+    int n, n_states;
+    cns_event *event;
+} cns_events;
+
+/* How to run. Proven: digits > 0, the digits of the finer run of a goal that has been reached, and the places
+ * wanted. By given numerics: numerics, and prove or not. */
+typedef struct cns_events_spec {
+    const cns_event_condition *sections;
+    int n_sections;
+    long digits;
+    cns_places places;
+    long count;
+    const cns_numerics *numerics; /* NULL: by digits */
+    bool prove;
+} cns_events_spec;
+
+/* Events in 0 < t <= the problem's end. CNS_UNREACHED: the two runs differ from some event on; the events
+ * before it stand. */
+cns_code cns_solve_events(const cns_problem *p, const cns_events_spec *spec, cns_events *events,
+                          cns_error *err);
+void cns_events_clear(cns_events *events);
+
+CNS_END_DECLS
 
 #endif

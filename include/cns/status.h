@@ -6,6 +6,23 @@
 #ifndef CNS_STATUS_H
 #define CNS_STATUS_H
 
+/* What stands between these two is the interface: callable from C++ too, and visible in the shared library,
+ * where all other functions are hidden. So a function becomes public by its declaration in a public header,
+ * and needs no mark of its own. */
+#ifdef __cplusplus
+#define CNS_BEGIN_DECLS                                                                                      \
+    _Pragma("GCC visibility push(default)") extern "C"                                                       \
+    {
+#define CNS_END_DECLS                                                                                        \
+    }                                                                                                        \
+    _Pragma("GCC visibility pop")
+#else
+#define CNS_BEGIN_DECLS _Pragma("GCC visibility push(default)")
+#define CNS_END_DECLS   _Pragma("GCC visibility pop")
+#endif
+
+CNS_BEGIN_DECLS
+
 typedef enum cns_code {
     CNS_OK = 0,
     CNS_UNREACHED = 1, /* the asked decimals or bracket were not reached; the honest result stands */
@@ -26,5 +43,7 @@ __attribute__((format(printf, 3, 4)))
 #endif
 cns_code
 cns_fail(cns_error *err, cns_code code, const char *format, ...);
+
+CNS_END_DECLS
 
 #endif

@@ -10,6 +10,8 @@
 #include "cns/number.h"
 #include "cns/program.h"
 
+CNS_BEGIN_DECLS
+
 /* A model with its parameters and initial states, and how to work on it. Everything is borrowed. */
 typedef struct cns_study {
     const cns_model *model;
@@ -67,5 +69,7 @@ typedef struct cns_bisect_spec {
     bool by_manifold;        /* else by trajectory */
     long decimals;           /* >= 1 */
 } cns_bisect_spec;
+
+CNS_END_DECLS
 
 #endif

@@ -2,7 +2,7 @@
 #ifndef CNS_CLI_EVENT_TABLE_H
 #define CNS_CLI_EVENT_TABLE_H
 
-#include "cns/events.h"
+#include "cns/solve.h"
 #include "context.h"
 
 /* The sections that the command line asks for, and the model's own. */

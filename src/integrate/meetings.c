@@ -1,4 +1,4 @@
-#include "meetings.h"
+#include "cns/events.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -9,11 +9,6 @@
 
 #include "cns/number.h"
 
-typedef enum cns_places {
-    CNS_PLACES_DECIMALS,   /* so many digits after the point: -0.0123; never -0.0000 */
-    CNS_PLACES_SIGNIFICANT /* so many significant digits: -1.23e-02; zero is 0 */
-} cns_places;
-
 /* New strings, the caller's to free. count >= 0 decimals, or >= 1 significant digits. */
 char *cns_text_mpfr(mpfr_srcptr x, cns_places places, long count);
 char *cns_text_mpq(mpq_srcptr x, cns_places places, long count);

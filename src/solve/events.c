@@ -1,4 +1,4 @@
-#include "cns/events.h"
+#include "cns/solve.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -6,6 +6,7 @@
 #include "core/memory.h"
 #include "integrate/growth.h"
 #include "integrate/method.h"
+#include "num/decimal_text.h"
 #include "num/logs.h"
 #include "solve_internal.h"
 

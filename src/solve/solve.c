@@ -7,6 +7,7 @@
 #include "arith/arith.h"
 #include "core/clock.h"
 #include "core/memory.h"
+#include "num/decimal_text.h"
 #include "num/logs.h"
 #include "rows_ahead.h"
 #include "solve_internal.h"

@@ -7,6 +7,8 @@
 #include "cns/status.h"
 #include "cns/study.h"
 
+CNS_BEGIN_DECLS
+
 #define CNS_MODE_NAME 32
 
 typedef struct cns_bisect_result {
@@ -33,5 +35,7 @@ cns_code cns_bisect_trajectory(const cns_study *s, const cns_bisect_spec *spec, 
                                cns_bisect_result *r, cns_error *err);
 cns_code cns_bisect_manifold(const cns_study *s, const cns_bisect_spec *spec, const cns_bisect_store *store,
                              cns_bisect_result *r, cns_error *err);
+
+CNS_END_DECLS
 
 #endif

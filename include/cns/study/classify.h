@@ -21,6 +21,8 @@
 
 #include "cns/study.h"
 
+CNS_BEGIN_DECLS
+
 typedef enum cns_mode {
     CNS_MODE_UNDECIDED,
     CNS_MODE_STEADY,   /* tends to a fixed point */
@@ -70,5 +72,7 @@ typedef struct cns_motion {
 
 cns_code cns_classify(const cns_study *s, const cns_classify_spec *spec, cns_motion *motion, cns_error *err);
 void cns_motion_clear(cns_motion *motion);
+
+CNS_END_DECLS
 
 #endif

@@ -15,6 +15,8 @@
 #include "cns/number.h"
 #include "cns/status.h"
 
+CNS_BEGIN_DECLS
+
 #define CNS_COMPARE_NOTHING LONG_MIN /* no value to compare in this row */
 
 /* Rows of a table, in the order of their times. */
@@ -61,5 +63,7 @@ typedef struct cns_compare_result {
  * is to be cleared whatever is returned. */
 cns_code cns_compare(const cns_compare_spec *spec, cns_compare_result *result, cns_error *err);
 void cns_compare_result_clear(cns_compare_result *r);
+
+CNS_END_DECLS
 
 #endif

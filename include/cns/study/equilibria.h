@@ -13,6 +13,8 @@
 #include "cns/status.h"
 #include "cns/study.h"
 
+CNS_BEGIN_DECLS
+
 typedef struct cns_eigenvalue {
     char *re, *im; /* correctly rounded; im is "0" where the eigenvalue is real */
 } cns_eigenvalue;
@@ -40,5 +42,7 @@ typedef struct cns_equilibria {
  * *result holds what could. *result is NULL with any other failure. */
 cns_code cns_equilibria_find(const cns_study *s, long decimals, cns_equilibria **result, cns_error *err);
 void cns_equilibria_free(cns_equilibria *e);
+
+CNS_END_DECLS
 
 #endif

@@ -20,6 +20,8 @@
 #include "cns/study.h"
 #include "study/predict/fit.h"
 
+CNS_BEGIN_DECLS
+
 typedef enum cns_law_kind { CNS_LAW_DIGITS, CNS_LAW_STEPS, CNS_LAW_SMOOTHING, CNS_LAW_KINDS } cns_law_kind;
 
 typedef struct cns_law_point {
@@ -56,5 +58,7 @@ typedef struct cns_laws_result {
 cns_code cns_laws(const cns_study *study, const cns_laws_spec *spec, const char *directory,
                   cns_laws_result *r, cns_error *err);
 void cns_laws_result_clear(cns_laws_result *r);
+
+CNS_END_DECLS
 
 #endif

@@ -23,6 +23,8 @@
 
 #include "cns/flow.h"
 
+CNS_BEGIN_DECLS
+
 #define CNS_LYAPUNOV_ROWS   32 /* of the convergence table: at t0 + k T / 32 */
 #define CNS_LYAPUNOV_COUNTS 4  /* numbers of batches tried: 16, 32, 64, 128 */
 
@@ -63,5 +65,7 @@ cns_code cns_lyapunov(const cns_lyapunov_problem *p, cns_lyapunov_result *result
 /* The standard error of the mean of x[0..n-1] from `batches` batches of n / batches each, which must divide
  * n; at least 2. */
 double cns_batch_error(const double *x, int n, int batches);
+
+CNS_END_DECLS
 
 #endif

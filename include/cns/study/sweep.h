@@ -5,6 +5,8 @@
 #include "cns/study/classify.h"
 #include "study/ensemble.h"
 
+CNS_BEGIN_DECLS
+
 typedef struct cns_sweep {
     int parameter;
     cns_number from, to, step; /* rational, step > 0, from <= to */
@@ -26,5 +28,7 @@ int cns_sweep_count(const cns_sweep *s);
  * `failed` and says why. directory, identity: see ensemble.h. */
 cns_code cns_sweep_run(const cns_study *study, const cns_sweep *sweep, const cns_classify_spec *spec,
                        const char *directory, const char *identity, char **rows, cns_error *err);
+
+CNS_END_DECLS
 
 #endif

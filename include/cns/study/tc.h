@@ -16,6 +16,8 @@
 #include "cns/study.h"
 #include "integrate/trajectory.h"
 
+CNS_BEGIN_DECLS
+
 typedef enum cns_tc_kind {
     CNS_TC_FOUND,
     CNS_TC_BEYOND,    /* not up to the time given */
@@ -84,5 +86,7 @@ typedef struct cns_tc_request {
 #define CNS_TC_MAX_DIGITS 5000
 cns_code cns_tc_measure(const cns_study *study, const cns_tc_request *request, cns_tc_result *result,
                         cns_error *err);
+
+CNS_END_DECLS
 
 #endif

@@ -3,8 +3,8 @@
 #ifndef CNS_STUDY_MODES_RETURNS_H
 #define CNS_STUDY_MODES_RETURNS_H
 
+#include "cns/events.h"
 #include "cns/study.h"
-#include "integrate/meetings.h"
 
 /* What is followed, and what counts as a return. With an angle: angle = k (2 pi / turns), any k; a return's
  * reduced state is its state turned back k times and, where the angle falls and there is a mirror image,
