@@ -104,16 +104,9 @@ cns_jet *jet_new(const cns_program *p, const cns_arith_ops *ops, int order, mpfr
 
 cns_flow_spec taylor_spec(const cns_program *p, long digits)
 {
-    double tolerance_log2 = DECIMALS((double)digits);
-    cns_flow_spec spec = {.program = p,
-                          .scales = unit_scales,
-                          .method = CNS_METHOD_TAYLOR,
-                          .arithmetic = CNS_ARITH_MPFR,
-                          .prec = cns_digits_to_bits(digits),
-                          .order = cns_order_for(tolerance_log2, CNS_ARITH_MPFR),
-                          .tolerance_log2 = tolerance_log2,
-                          .safety = 0.5,
-                          .verify = true};
+    cns_flow_spec spec = cns_flow_spec_taylor(p, unit_scales, CNS_ARITH_MPFR, digits);
+    spec.safety = 0.5;
+    spec.verify = true;
     return spec;
 }
 

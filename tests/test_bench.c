@@ -5,6 +5,7 @@
 
 #include "bench/bench.h"
 #include "cns/flow.h"
+#include "integrate/numerics.h"
 #include "support.h"
 
 static cns_bench_problem *problem(cns_bench_system system)

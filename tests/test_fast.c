@@ -8,6 +8,7 @@
 #include "arith/fast.h"
 #include "arith/fixed/fixed.h"
 #include "integrate/method.h"
+#include "integrate/numerics.h"
 #include "problem.h"
 
 static const cns_arith_ops *const ops = &cns_arith_fast;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "integrate/numerics.h"
 #include "problem.h"
 
 /* x' = 1, then the states the caller adds. */

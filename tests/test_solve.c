@@ -12,7 +12,7 @@
 #include "integrate/trajectory.h"
 #include "num/decimal_text.h"
 #include "problem.h"
-#include "solve/solve_internal.h"
+#include "solve/proof.h"
 #include "taylor/program_internal.h"
 
 enum { MAX_ROWS = 200, MAX_COLUMNS = 8, MAX_STATES = 6 };

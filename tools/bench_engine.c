@@ -7,6 +7,7 @@
 #include "cns/flow.h"
 #include "cns/model.h"
 #include "core/clock.h"
+#include "integrate/numerics.h"
 #include "taylor/jet.h"
 
 enum { X, Y, THETA, VX, VY, OMEGA, STATES };

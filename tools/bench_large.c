@@ -17,6 +17,7 @@
 #include "arith/fixed/fixed.h"
 #include "cns/flow.h"
 #include "core/clock.h"
+#include "integrate/numerics.h"
 
 enum { TERMS = 96, SIZES = 64, KERNELS = 2 };
 

@@ -20,6 +20,7 @@
 #include "bench/bench.h"
 #include "cns/flow.h"
 #include "core/clock.h"
+#include "integrate/numerics.h"
 #include "taylor/jet.h"
 
 static double peak[CNS_BENCH_ENGINES]; /* limb products of 52 by 52 bits per second */

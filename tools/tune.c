@@ -16,6 +16,7 @@
 #include "bench/bench.h"
 #include "cns/flow.h"
 #include "core/clock.h"
+#include "integrate/numerics.h"
 #include "num/logs.h"
 #include "taylor/jet.h"
 

@@ -60,19 +60,33 @@ typedef struct cns_flow_spec {
     const volatile sig_atomic_t *stop; /* non-zero: give up (may be NULL) */
 } cns_flow_spec;
 
+/* Numerics as a case file gives them. */
+typedef struct cns_numerics {
+    cns_method method;
+    cns_arithmetic arithmetic;
+    long digits; /* 0 with arithmetic double */
+    long order;  /* 0: auto */
+    bool fixed_step;
+    cns_number step; /* > 0 when fixed_step */
+    bool auto_tolerance;
+    cns_number tolerance; /* > 0 unless auto_tolerance */
+} cns_numerics;
+
 typedef struct cns_flow cns_flow;
 
 /* Digits K mean ceil(K log2 10) bits and guard bits against the rounding inside one step. */
 mpfr_prec_t cns_digits_to_bits(long digits);
 
-/* The order at which a Taylor step of local error 2^tolerance_log2 costs least: 1 - ln(tolerance)/2 (Jorba
- * and Zou 2005, section 3), which makes coefficients fall by 2.9 bits per order; the fast arithmetic wants a
- * little more than the three bits that it is made for. */
-int cns_order_for(double tolerance_log2, cns_arithmetic arithmetic);
+/* The spec of a Taylor run of so many digits, all else automatic: tolerance 10^-digits, the order at which
+ * that costs least, steps as they come. With arithmetic double digits set the tolerance only, and 16 are
+ * next to its rounding. */
+cns_flow_spec cns_flow_spec_taylor(const cns_program *program, const double *scales,
+                                   cns_arithmetic arithmetic, long digits);
 
-/* The arithmetic that a Taylor flow of this order really uses: below order 8 the plain one costs less than
- * the fast one, with every kernel and any number of digits (tools/tune small). */
-cns_arithmetic cns_arithmetic_for(cns_arithmetic asked, int order);
+/* The spec of a run by given numerics, which outlive it, computed with `spare` digits more than they say
+ * (not in double). */
+cns_flow_spec cns_flow_spec_given(const cns_program *program, const double *scales,
+                                  const cns_numerics *numerics, long spare);
 
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err);
 void cns_flow_free(cns_flow *f);

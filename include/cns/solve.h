@@ -31,17 +31,6 @@ typedef struct cns_goal {
     double max_time; /* seconds; 0: no limit */
 } cns_goal;
 
-typedef struct cns_numerics {
-    cns_method method;
-    cns_arithmetic arithmetic;
-    long digits; /* 0 with arithmetic double */
-    long order;  /* 0: auto */
-    bool fixed_step;
-    cns_number step; /* > 0 when fixed_step */
-    bool auto_tolerance;
-    cns_number tolerance; /* > 0 unless auto_tolerance */
-} cns_numerics;
-
 #define CNS_PLAN_PARTS 64
 
 /* How a run is done, resolved: for provenance and messages. */

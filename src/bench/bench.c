@@ -210,16 +210,11 @@ static cns_code follow(cns_flow *f, const cns_bench_problem *p, double until, cn
 cns_code cns_bench_measure(const cns_bench_problem *p, const cns_bench_job *job, cns_bench_run *run,
                            cns_error *err)
 {
-    const double tolerance_log2 = -(double)job->digits * CNS_LOG2_10;
     const cns_arithmetic arithmetic = job->engine == CNS_BENCH_MPFR ? CNS_ARITH_MPFR : CNS_ARITH_FAST;
-    cns_flow_spec spec = {.program = p->program,
-                          .scales = p->scales,
-                          .method = CNS_METHOD_TAYLOR,
-                          .arithmetic = arithmetic,
-                          .prec = cns_digits_to_bits(job->digits),
-                          .order = job->order ? job->order : cns_order_for(tolerance_log2, arithmetic),
-                          .tolerance_log2 = tolerance_log2,
-                          .stop = job->stop};
+    cns_flow_spec spec = cns_flow_spec_taylor(p->program, p->scales, arithmetic, job->digits);
+    if (job->order)
+        spec.order = job->order;
+    spec.stop = job->stop;
     cns_bench_run_clear(run);
     if (!cns_bench_has(job->engine))
         return cns_fail(err, CNS_USAGE, "this machine has no kernel %s", engines[job->engine]);

@@ -6,6 +6,7 @@
 #include "method.h"
 #include "num/logs.h"
 #include "num/round.h"
+#include "numerics.h"
 
 struct cns_flow {
     cns_flow_spec spec;
@@ -24,52 +25,7 @@ struct cns_flow {
     mpfr_t tolerance, difference;
 };
 
-enum { GUARD_BITS = 16, TIME_BITS = 128, CHECK_BITS = 96 };
-
-mpfr_prec_t cns_digits_to_bits(long digits)
-{
-    return (mpfr_prec_t)((double)digits * CNS_LOG2_10) + 1 + GUARD_BITS;
-}
-
-/* The cost of a step grows with the square of the order where convolutions are most of it; then the best
- * order lets coefficients fall by 2/ln 2 = 2.9 bits per order. In the fast arithmetic with few digits it
- * grows almost linearly, and longer steps of a higher order pay. A little more than whole bits: the fast
- * arithmetic counts on whole bits of decay (src/integrate/taylor.c). Measured; never falling with the
- * precision. */
-static const double LINEAR_BITS = 420, LINEAR_RATE = 2.25, QUADRATIC_RATE = 3.05;
-
-int cns_order_for(double tolerance_log2, cns_arithmetic arithmetic)
-{
-    double order = -tolerance_log2 * (0.69314718055994530942 / 2);
-    if (arithmetic == CNS_ARITH_FAST)
-        order = fmax(fmin(-tolerance_log2, LINEAR_BITS) / LINEAR_RATE, -tolerance_log2 / QUADRATIC_RATE);
-    return (int)(1.5 + order) + 1;
-}
-
-cns_arithmetic cns_arithmetic_for(cns_arithmetic asked, int order)
-{
-    enum { LEAST_FAST_ORDER = 8 };
-    return asked == CNS_ARITH_FAST && order < LEAST_FAST_ORDER ? CNS_ARITH_MPFR : asked;
-}
-
-long cns_schedule_at(const cns_schedule *s, double t)
-{
-    double part = t / s->end * s->n;
-    return s->digits[part < 0 ? 0 : part < s->n ? (int)part : s->n - 1];
-}
-
-const cns_arith_ops *cns_flow_arith(const cns_flow_spec *spec)
-{
-    if (spec->arithmetic == CNS_ARITH_DOUBLE)
-        return spec->portable ? &cns_arith_double : &cns_arith_libm;
-    return spec->arithmetic == CNS_ARITH_FAST ? &cns_arith_fast : &cns_arith_mpfr;
-}
-
-const cns_arith_ops *cns_flow_reference_arith(const cns_flow_spec *spec)
-{
-    const cns_arith_ops *ops = cns_flow_arith(spec);
-    return ops->in_steps ? &cns_arith_mpfr : ops;
-}
+enum { TIME_BITS = 128, CHECK_BITS = 96 };
 
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
 {
@@ -89,7 +45,7 @@ cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
     f->spec = *spec;
     f->spec.arithmetic = cns_arithmetic_for(spec->arithmetic, spec->order);
     if (spec->arithmetic == CNS_ARITH_DOUBLE)
-        f->spec.prec = 53;
+        f->spec.prec = CNS_DOUBLE_BITS;
     f->n = cns_program_states(spec->program);
     f->ops = spec->method == CNS_METHOD_RK4 ? &cns_method_rk4 : &cns_method_taylor;
     const mpfr_prec_t prec = f->spec.prec, time_prec = 2 * prec + TIME_BITS;

@@ -38,8 +38,4 @@ typedef struct cns_method_ops {
 extern const cns_method_ops cns_method_taylor;
 extern const cns_method_ops cns_method_rk4;
 
-const cns_arith_ops *cns_flow_arith(const cns_flow_spec *spec);
-/* The same, or where that wants H near a step, the one that serves single values and its failures. */
-const cns_arith_ops *cns_flow_reference_arith(const cns_flow_spec *spec);
-
 #endif

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "method.h"
+#include "numerics.h"
 
 /* Registers: n each of the state and the weighted sum of slopes; then three constants. */
 enum { STATE, SUM, BLOCKS };

@@ -7,6 +7,7 @@
 
 #include "method.h"
 #include "num/logs.h"
+#include "numerics.h"
 #include "roots.h"
 
 struct cns_stepper {

@@ -5,6 +5,7 @@
 
 #include "core/clock.h"
 #include "method.h"
+#include "numerics.h"
 #include "taylor/jet.h"
 
 enum { OUTPUT_ORDER = 4 }; /* from a start with leading zeros, 0/0 needs a few orders */

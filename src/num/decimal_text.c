@@ -14,19 +14,29 @@ static char *without_minus_zero(char *text)
     return text;
 }
 
+static char *printed(const char *format, long count, mpfr_srcptr x)
+{
+    char *made;
+    if (mpfr_asprintf(&made, format, (int)count, x) < 0)
+        abort();
+    char *text = cns_xcopy(made);
+    mpfr_free_str(made);
+    return text;
+}
+
 char *cns_text_mpfr(mpfr_srcptr x, cns_places places, long count)
 {
-    char *made, *text;
     if (!mpfr_number_p(x))
         return cns_xcopy("nan");
     if (places == CNS_PLACES_SIGNIFICANT && mpfr_zero_p(x))
         return cns_xcopy("0");
-    if (mpfr_asprintf(&made, places == CNS_PLACES_DECIMALS ? "%.*RNf" : "%.*RNe",
-                      (int)(places == CNS_PLACES_DECIMALS ? count : count - 1), x) < 0)
-        abort();
-    text = cns_xcopy(made);
-    mpfr_free_str(made);
-    return without_minus_zero(text);
+    return without_minus_zero(places == CNS_PLACES_DECIMALS ? printed("%.*RNf", count, x)
+                                                            : printed("%.*RNe", count - 1, x));
+}
+
+char *cns_text_digits(mpfr_srcptr x, long digits)
+{
+    return mpfr_zero_p(x) ? cns_xcopy("0") : printed("%.*Rg", digits, x);
 }
 
 /* round(|x| 10^shift) with ties to even. */

@@ -14,6 +14,10 @@ char *cns_text_mpfr(mpfr_srcptr x, cns_places places, long count);
 char *cns_text_mpq(mpq_srcptr x, cns_places places, long count);
 char *cns_text_number(const cns_number *x, cns_places places, long count);
 
+/* So many significant digits as printf's %g has them: 0.001234, 1.234e-30, 0; without zeros at the end. Of a
+ * result whose error is not known. */
+char *cns_text_digits(mpfr_srcptr x, long digits);
+
 /* Do x - e and x + e have the same text? Then so has every number between. NaN has none. */
 bool cns_text_certain(mpfr_srcptr x, mpfr_srcptr e, cns_places places, long count);
 

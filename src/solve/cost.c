@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "core/clock.h"
+#include "integrate/numerics.h"
 #include "integrate/trajectory.h"
 #include "num/logs.h"
 #include "solve_internal.h"
@@ -197,9 +198,10 @@ static long digits_in(const cns_flow_spec *spec, int i, long most)
 
 static cns_flow_spec spec_for(const cns_problem *p, const cns_flow_spec *like, long digits)
 {
-    cns_flow_spec spec = cns_taylor_spec(p, digits);
+    cns_flow_spec spec = cns_flow_spec_taylor(p->program, p->scales, CNS_ARITH_FAST, digits);
     spec.safety = like->safety;
     spec.verify = true;
+    spec.stop = p->stop;
     return spec;
 }
 

@@ -8,7 +8,8 @@
 #include "integrate/method.h"
 #include "num/decimal_text.h"
 #include "num/logs.h"
-#include "solve_internal.h"
+#include "num/vector.h"
+#include "proof.h"
 
 enum { DOUBLE_PRINTED = 17 };
 
@@ -224,15 +225,19 @@ cns_code cns_solve_events(const cns_problem *p, const cns_events_spec *spec, cns
     *events = (cns_events){.n_states = cns_program_states(p->program)};
     if (!proof) {
         const bool is_double = n->arithmetic == CNS_ARITH_DOUBLE;
-        cns_code code = collect(p, spec, cns_given_spec(p, n), false, false, &fine, err);
+        cns_code code =
+            collect(p, spec, cns_flow_spec_given(p->program, p->scales, n, 0), false, false, &fine, err);
         for (int i = 0; i < fine.n && !code; i++)
             add_event(events, &fine.at[i], CNS_PLACES_DECIMALS, -1, is_double ? DOUBLE_PRINTED : given);
         clear_list(&fine);
         return code;
     }
-    const cns_flow_spec finer = cns_taylor_spec(p, n != NULL ? given + CNS_PROOF_DIGITS : spec->digits),
-                        coarser = n != NULL ? cns_given_spec(p, n)
-                                            : cns_taylor_spec(p, spec->digits - CNS_PROOF_DIGITS);
+    cns_flow_spec finer = cns_flow_spec_taylor(p->program, p->scales, CNS_ARITH_FAST,
+                                               n != NULL ? given + CNS_ANOTHER_LIMB : spec->digits),
+                  coarser = n != NULL ? cns_flow_spec_given(p->program, p->scales, n, 0)
+                                      : cns_flow_spec_taylor(p->program, p->scales, CNS_ARITH_FAST,
+                                                             spec->digits - CNS_ANOTHER_LIMB);
+    finer.stop = coarser.stop = p->stop;
     cns_code code = collect(p, spec, finer, true, false, &fine, err);
     if (!code)
         code = collect(p, spec, coarser, coarser.method == CNS_METHOD_TAYLOR, true, &coarse, err);

@@ -5,11 +5,13 @@
 
 #include "core/clock.h"
 #include "cost.h"
+#include "integrate/numerics.h"
+#include "integrate/rows.h"
 #include "num/logs.h"
+#include "proof.h"
 #include "solve_internal.h"
 
 enum {
-    DOUBLE_DIGITS = 16,
     DOUBLE_ORDER = 22,
     DOUBLE_TOLERANCE_LOG2 = -54,
     SPARE_DIGITS = 5, /* noise constants of a step, and few straddles */
@@ -81,19 +83,20 @@ static void fill_schedule(cns_schedule *schedule, const needs *need, double end,
 cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_schedule *schedule,
                   cns_error *err)
 {
-    cns_trajectory_spec spec = {.flow = cns_taylor_spec(p, DOUBLE_DIGITS),
-                                .initial = p->initial,
-                                .outputs = cns_wants_outputs(p) && goal->places == CNS_PLACES_SIGNIFICANT,
-                                .deadline = goal->max_time > 0 ? cns_seconds() + goal->max_time : 0,
-                                .origins = true,
-                                .end = cns_number_get_d(p->end),
-                                .stepped = cns_tally_step,
-                                .unit_noise = -1e-9}; /* one unit per step */
+    cns_trajectory_spec spec = {
+        .flow = cns_flow_spec_taylor(p->program, p->scales, CNS_ARITH_DOUBLE, CNS_DOUBLE_DIGITS),
+        .initial = p->initial,
+        .outputs = cns_wants_outputs(p) && goal->places == CNS_PLACES_SIGNIFICANT,
+        .deadline = goal->max_time > 0 ? cns_seconds() + goal->max_time : 0,
+        .origins = true,
+        .end = cns_number_get_d(p->end),
+        .stepped = cns_tally_step,
+        .unit_noise = -1e-9}; /* one unit per step */
     const double since = cns_thread_seconds();
     cns_tally tally = {.spec = &spec.flow, .end = spec.end};
     spec.context = &tally;
-    spec.flow.arithmetic = CNS_ARITH_DOUBLE;
     spec.flow.portable = true;
+    spec.flow.stop = p->stop;
     spec.flow.order = DOUBLE_ORDER;
     spec.flow.tolerance_log2 = DOUBLE_TOLERANCE_LOG2;
     *plan = (cns_run_info){.attempt = 1, .planned = true};
@@ -104,7 +107,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
     cns_sample s = {0};
     mpq_t time;
     mpq_init(time);
-    if (!t || !cns_sample_init(&s, p->program, 53)) {
+    if (!t || !cns_sample_init(&s, p->program, CNS_DOUBLE_BITS)) {
         cns_trajectory_free(t);
         cns_sample_clear(&s);
         mpq_clear(time);
@@ -120,7 +123,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
     int windows = 0;
     needs by_origin = {0};
     cns_code code = CNS_OK;
-    for (unsigned long row = 0; !code && cns_row_time(p, row, time); row++) {
+    for (unsigned long row = 0; !code && cns_row_time(p->every, p->end, row, time); row++) {
         code = cns_trajectory_at(t, time, &s, &failure);
         if (code)
             break;
@@ -134,7 +137,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
             window_start = now;
             at_start = g;
         }
-        if (trusted >= end && g > DOUBLE_DIGITS - 3)
+        if (trusted >= end && g > CNS_DOUBLE_DIGITS - 3)
             trusted = now;
         growth = fmax(growth, g);
         const double places = (double)goal->count + extra_places(p, goal, &s);
@@ -165,14 +168,15 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
             schedule->digits[0] = digits;
         digits = schedule->digits[0];
         plan->proof_digits = digits;
-        plan->digits = digits + CNS_PROOF_DIGITS;
-        cns_flow_spec fine, coarse;
-        cns_proof_specs(p, plan->digits, schedule, 0, &fine, &coarse);
-        plan->prec = fine.prec;
-        plan->order = fine.order;
-        plan->proof_prec = coarse.prec;
-        plan->proof_order = coarse.order;
-        cns_cost_predict(p, &fine, &coarse, &tally, plan);
+        plan->digits = digits + CNS_ANOTHER_LIMB;
+        cns_proof_runs runs;
+        cns_proof_of_goal(&runs, p, plan->digits, schedule);
+        plan->prec = runs.fine.prec;
+        plan->order = runs.fine.order;
+        plan->proof_prec = runs.coarse.prec;
+        plan->proof_order = runs.coarse.order;
+        cns_cost_predict(p, &runs.fine, &runs.coarse, &tally, plan);
+        cns_proof_runs_clear(&runs);
         plan->seconds += cns_thread_seconds() - since;
         if (p->stop && *p->stop) /* while it measured, which then tells nothing */
             code = cns_fail(err, CNS_STOPPED, "stopped");

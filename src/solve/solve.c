@@ -7,18 +7,18 @@
 #include "arith/arith.h"
 #include "core/clock.h"
 #include "core/memory.h"
+#include "integrate/numerics.h"
+#include "integrate/rows.h"
 #include "num/decimal_text.h"
 #include "num/logs.h"
+#include "proof.h"
 #include "rows_ahead.h"
 #include "solve_internal.h"
 
 enum {
-    /* The difference of the two runs may exceed noise times growth by this factor, 2^NOISE_SLACK: a step
-     * rounds some hundred times, and not always gently. */
-    NOISE_SLACK = 24,
-    SEARCH = 60, /* decimals looked through for one that does not straddle */
     RAISES = 12,
-    DOUBLE_PRINTED = 17 /* digits that tell doubles apart */
+    DOUBLE_PRINTED = 17, /* digits that tell doubles apart */
+    ERROR_BITS = 64      /* of e, a bound that is rounded up */
 };
 
 /* One or two trajectories walking from row to row. */
@@ -31,83 +31,17 @@ typedef struct walk {
     long digits;         /* printed without a proof: those of the arithmetic */
     bool explain;        /* compare the difference with noise times growth */
     mpq_t time;
-    mpfr_t error, x;
-    double error_log10; /* log10 of e, -HUGE_VAL: none */
+    mpfr_t error; /* e */
     char **text;
+    cns_bounded *value; /* scratch, of columns */
 } walk;
 
-static void walk_clear(walk *w)
+bool cns_wants_outputs(const cns_problem *p)
 {
-    cns_trajectory_free(w->fine);
-    cns_ahead_free(w->coarse);
-    cns_sample_clear(&w->s);
-    mpq_clear(w->time);
-    mpfr_clears(w->error, w->x, (mpfr_ptr)0);
-    for (int i = 0; w->text && i < w->p->n_columns; i++)
-        free(w->text[i]);
-    free(w->text);
-}
-
-static cns_code walk_init(walk *w, const cns_problem *p, const cns_flow_spec *fine,
-                          const cns_flow_spec *coarse, long digits, unsigned long first_row, double deadline,
-                          cns_error *err)
-{
-    cns_trajectory_spec spec = {
-        .flow = *fine, .initial = p->initial, .outputs = cns_wants_outputs(p), .deadline = deadline};
-    *w = (walk){.p = p, .explain = coarse && coarse->method == CNS_METHOD_TAYLOR};
-    mpq_init(w->time);
-    mpfr_prec_t prec = fine->arithmetic == CNS_ARITH_DOUBLE ? 53 : fine->prec;
-    mpfr_inits2(prec, w->error, w->x, (mpfr_ptr)0);
-    w->digits = fine->arithmetic == CNS_ARITH_DOUBLE ? DOUBLE_PRINTED : digits;
-    w->text = cns_xalloc((size_t)p->n_columns + 1, sizeof *w->text);
-    spec.flow.verify = coarse != NULL;
-    spec.no_growth = coarse != NULL; /* the coarser run's will do: it is the same trajectory */
-    w->fine = cns_trajectory_new(&spec, err);
-    if (!w->fine)
-        return err->code;
-    if (!cns_sample_init(&w->s, p->program, prec))
-        return cns_fail(err, CNS_NUMERIC, "out of memory");
-    if (!coarse)
-        return CNS_OK;
-    spec.flow = *coarse;
-    spec.flow.verify = true;
-    spec.no_growth = false;
-    w->coarse = cns_ahead_new(p, &spec, first_row, p->threads > 1, err);
-    return w->coarse ? CNS_OK : err->code;
-}
-
-/* Raises largest to |a - b| / scale. */
-static void differ(mpfr_t largest, mpfr_srcptr a, mpfr_srcptr b, double scale)
-{
-    mpfr_t x;
-    mpfr_init2(x, mpfr_get_prec(largest));
-    mpfr_sub(x, a, b, MPFR_RNDA);
-    mpfr_abs(x, x, MPFR_RNDN);
-    if (scale != 1)
-        mpfr_div_d(x, x, scale, MPFR_RNDU);
-    if (mpfr_number_p(x) && mpfr_cmp(x, largest) > 0)
-        mpfr_set(largest, x, MPFR_RNDN);
-    mpfr_clear(x);
-}
-
-cns_code cns_proof_explained(const cns_problem *p, const cns_sample *fine, const cns_sample *coarse, double t,
-                             cns_error *err)
-{
-    mpfr_t largest;
-    mpfr_init2(largest, 64);
-    mpfr_set_zero(largest, 1);
-    for (int i = 0; i < fine->n_states; i++)
-        if (cns_program_is_dynamic(p->program, i))
-            differ(largest, fine->state[i], coarse->state[i], p->scales[i]);
-    double noise = coarse->error_log2, difference = cns_log2_mpfr(largest);
-    mpfr_clear(largest);
-    if (noise == -HUGE_VAL || difference <= noise + NOISE_SLACK)
-        return CNS_OK;
-    return cns_fail(
-        err, CNS_NUMERIC,
-        "t = %.12g: the two runs of the proof differ by 10^%.1f, but noise has grown to 10^%.1f only: "
-        "this is an error, not chaos",
-        t, difference * CNS_LOG10_2, noise * CNS_LOG10_2);
+    for (int i = 0; i < p->n_columns; i++)
+        if (p->columns[i].kind == CNS_COLUMN_OUTPUT)
+            return true;
+    return false;
 }
 
 /* Both runs to w->time; w->error becomes e. */
@@ -121,18 +55,13 @@ static cns_code walk_to(walk *w, cns_error *err)
         code = cns_proof_explained(w->p, &w->s, w->c, mpq_get_d(w->time), err);
     if (code)
         return code;
-    double noise = w->c->error_log2;
+    /* The noise of a method that does not estimate its truncation is no bound. */
+    const double noise = w->explain ? w->c->error_log2 : -HUGE_VAL;
     mpfr_set_zero(w->error, 1);
     for (int i = 0; i < w->s.n_states; i++)
-        differ(w->error, w->s.state[i], w->c->state[i], 1);
+        cns_proof_error(w->error, w->s.state[i], w->c->state[i], noise);
     for (int i = 0; i < w->s.n_outputs && cns_wants_outputs(w->p); i++)
-        differ(w->error, w->s.output[i], w->c->output[i], 1);
-    if (w->explain && noise > cns_log2_mpfr(w->error)) { /* a difference can be small by accident */
-        mpfr_set_d(w->x, noise, MPFR_RNDU);
-        mpfr_exp2(w->error, w->x, MPFR_RNDU);
-    }
-    mpfr_mul_2ui(w->error, w->error, CNS_PROOF_SAFETY_LOG2, MPFR_RNDU);
-    w->error_log10 = cns_log2_mpfr(w->error) * CNS_LOG10_2;
+        cns_proof_error(w->error, w->s.output[i], w->c->output[i], noise);
     return CNS_OK;
 }
 
@@ -152,29 +81,14 @@ static bool is_exact(const walk *w, int column)
            (w->coarse && mpfr_zero_p(w->s.state[c->index]) && mpfr_zero_p(w->c->state[c->index]));
 }
 
-/* Are all values certain to so many places? */
-static bool certain(const walk *w, cns_places places, long count)
-{
-    for (int i = 0; i < w->p->n_columns; i++)
-        if (w->p->columns[i].kind != CNS_COLUMN_TIME && !is_exact(w, i) &&
-            !cns_text_certain(value(w, i), w->error, places, count))
-            return false;
-    return true;
-}
-
-/* The largest number of places, at most `most`, to which all values are certain; -1 if there is none. */
+/* The places, at most `most`, to which all values of the row are certain; -1: none. */
 static long proven_places(const walk *w, cns_places places, long most)
 {
-    const long least = places == CNS_PLACES_DECIMALS ? 0 : 1;
-    if (places == CNS_PLACES_DECIMALS && w->error_log10 > -HUGE_VAL && -w->error_log10 < (double)most)
-        most = (long)floor(-w->error_log10);
-    for (long count = most, tries = 0; count >= least; count--, tries++) {
-        if (certain(w, places, count))
-            return count;
-        if (places == CNS_PLACES_DECIMALS && tries > SEARCH)
-            break;
-    }
-    return -1;
+    int n = 0;
+    for (int i = 0; i < w->p->n_columns; i++)
+        if (w->p->columns[i].kind != CNS_COLUMN_TIME && !is_exact(w, i))
+            w->value[n++] = (cns_bounded){value(w, i), w->error};
+    return cns_proof_places(w->value, n, places, most);
 }
 
 static void set_text(walk *w, int column, char *text)
@@ -189,22 +103,9 @@ static void write_texts(walk *w, unsigned long row, cns_places places, long coun
     for (int i = 0; i < w->p->n_columns; i++) {
         const cns_column *c = &w->p->columns[i];
         if (c->kind == CNS_COLUMN_TIME) {
-            bool multiple = true;
-            mpq_t t;
-            mpq_init(t);
-            mpq_set_ui(t, row, 1);
-            mpq_mul(t, t, w->p->every->ratio);
-            multiple = mpq_equal(t, w->time) != 0;
-            mpq_clear(t);
-            char *text = multiple ? cns_number_multiple_text(w->p->every, row)
-                                  : cns_number_multiple_text(w->p->end, 1);
-            set_text(w, i, text ? text : cns_text_mpq(w->time, CNS_PLACES_DECIMALS, count > 6 ? count : 6));
+            set_text(w, i, cns_row_time_text(w->p->every, w->p->end, row, count));
         } else if (count < 0) {
-            char *made;
-            if (mpfr_asprintf(&made, "%.*Rg", (int)w->digits, value(w, i)) < 0)
-                abort();
-            set_text(w, i, cns_xcopy(mpfr_zero_p(value(w, i)) ? "0" : made));
-            mpfr_free_str(made);
+            set_text(w, i, cns_text_digits(value(w, i), w->digits));
         } else if (c->kind == CNS_COLUMN_STATE && mpq_sgn(w->time) == 0) {
             set_text(w, i, cns_text_number(&w->p->initial[c->index], places, count));
         } else {
@@ -271,32 +172,69 @@ static void progress(const walk *w, const cns_result *result, double since)
         sink->progress(sink->context, &out);
 }
 
-static cns_code begin(const cns_problem *p, const cns_result *result, cns_error *err)
+static cns_code describe(cns_run_info *info, const cns_proof_runs *runs, cns_error *err)
 {
+    info->digits = runs->fine_digits;
+    info->prec = runs->fine.prec;
+    info->order = runs->fine.order;
+    info->proof_digits = runs->coarse_digits;
+    info->proof_prec = runs->coarse.prec;
+    info->proof_order = runs->coarse.order;
+    const cns_arithmetic arithmetic = cns_arithmetic_for(runs->fine.arithmetic, runs->fine.order);
+    info->kernel = arithmetic == CNS_ARITH_DOUBLE ? "double" : "mpfr";
+    return arithmetic == CNS_ARITH_FAST ? cns_fast_kernel_name(&info->kernel, err) : CNS_OK;
+}
+
+/* To be closed whatever is returned. */
+static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *runs, unsigned long first_row,
+                          double deadline, cns_result *result, cns_error *err)
+{
+    cns_trajectory_spec spec = {.flow = runs->fine,
+                                .initial = p->initial,
+                                .outputs = cns_wants_outputs(p),
+                                .no_growth =
+                                    runs->proof, /* the coarser run's will do: it is the same trajectory */
+                                .deadline = deadline};
+    *w = (walk){.p = p,
+                .explain = runs->proof && runs->coarse.method == CNS_METHOD_TAYLOR,
+                .digits = runs->fine.arithmetic == CNS_ARITH_DOUBLE ? DOUBLE_PRINTED : runs->fine_digits};
+    mpq_init(w->time);
+    mpfr_init2(w->error, ERROR_BITS);
+    w->text = cns_xalloc((size_t)p->n_columns + 1, sizeof *w->text);
+    w->value = cns_xalloc((size_t)p->n_columns + 1, sizeof *w->value);
+    cns_code code = describe(&result->run, runs, err);
+    if (code)
+        return code;
+    w->fine = cns_trajectory_new(&spec, err);
+    if (!w->fine)
+        return err->code;
+    if (!cns_sample_init(&w->s, p->program, runs->fine.prec))
+        return cns_fail(err, CNS_NUMERIC, "out of memory");
+    if (runs->proof) {
+        spec.flow = runs->coarse;
+        spec.no_growth = false;
+        w->coarse = cns_ahead_new(p, &spec, first_row, p->threads > 1, err);
+        if (!w->coarse)
+            return err->code;
+    }
     return p->sink->begin ? p->sink->begin(p->sink->context, &result->run, err) : CNS_OK;
 }
 
-static void finish(walk *w, cns_result *result)
+static void walk_close(walk *w, cns_result *result)
 {
     if (w->fine) {
         result->steps = cns_flow_steps(cns_trajectory_flow(w->fine));
         result->events = cns_flow_landings(cns_trajectory_flow(w->fine));
     }
-}
-
-static cns_code describe(cns_run_info *info, long digits, const cns_flow_spec *fine,
-                         const cns_flow_spec *coarse, cns_error *err)
-{
-    info->digits = digits;
-    info->prec = fine->arithmetic == CNS_ARITH_DOUBLE ? 53 : fine->prec;
-    info->order = fine->order;
-    if (coarse) {
-        info->proof_prec = coarse->arithmetic == CNS_ARITH_DOUBLE ? 53 : coarse->prec;
-        info->proof_order = coarse->order;
-    }
-    const cns_arithmetic arithmetic = cns_arithmetic_for(fine->arithmetic, fine->order);
-    info->kernel = arithmetic == CNS_ARITH_DOUBLE ? "double" : "mpfr";
-    return arithmetic == CNS_ARITH_FAST ? cns_fast_kernel_name(&info->kernel, err) : CNS_OK;
+    cns_trajectory_free(w->fine);
+    cns_ahead_free(w->coarse);
+    cns_sample_clear(&w->s);
+    mpq_clear(w->time);
+    mpfr_clear(w->error);
+    for (int i = 0; i < w->p->n_columns; i++)
+        free(w->text[i]);
+    free(w->text);
+    free(w->value);
 }
 
 /* One attempt at a goal from row *row on (rows before are final). Returns CNS_OK with *shortage > 0 when the
@@ -307,25 +245,19 @@ static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_sc
                         cns_error *err)
 {
     const unsigned long short_row = *row;
-    cns_flow_spec fine, coarse;
+    cns_proof_runs runs;
     walk w;
     double since = cns_seconds();
-    const long coarse_digits = result->run.digits - CNS_PROOF_DIGITS;
-    cns_proof_specs(p, result->run.digits, schedule, coarse_digits - schedule->digits[0], &fine, &coarse);
+    cns_proof_of_goal(&runs, p, result->run.digits, schedule);
     *shortage = 0;
-    cns_code code = describe(&result->run, result->run.digits, &fine, &coarse, err);
-    if (code)
-        return code;
-    code = walk_init(&w, p, &fine, &coarse, result->run.digits, *row, deadline, err);
-    if (!code)
-        code = begin(p, result, err);
-    while (!code && cns_row_time(p, *row, w.time)) {
+    cns_code code = walk_open(&w, p, &runs, *row, deadline, result, err);
+    while (!code && cns_row_time(p->every, p->end, *row, w.time)) {
         code = walk_to(&w, err);
         if (code)
             break;
         long places = proven_places(&w, goal->places, goal->count);
         if (places < goal->count && !last && !(tie && *row == short_row)) {
-            double have = goal->places == CNS_PLACES_DECIMALS ? -w.error_log10
+            double have = goal->places == CNS_PLACES_DECIMALS ? -cns_log2_mpfr(w.error) * CNS_LOG10_2
                           : places < 0                        ? 0
                                                               : (double)places;
             *shortage = fmax(1, (double)goal->count - have);
@@ -341,10 +273,10 @@ static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_sc
         ++*row;
         progress(&w, result, since);
     }
-    if (code == CNS_STOPPED && (cns_trajectory_late(w.fine) || (w.coarse && cns_ahead_late(w.coarse))))
+    if (code == CNS_STOPPED && (cns_trajectory_late(w.fine) || cns_ahead_late(w.coarse)))
         code = cns_fail(err, CNS_UNREACHED, "max_time is used up at t = %.12g", mpq_get_d(w.time));
-    finish(&w, result);
-    walk_clear(&w);
+    walk_close(&w, result);
+    cns_proof_runs_clear(&runs);
     return code;
 }
 
@@ -362,8 +294,7 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
         bool last = result->run.digits >= goal->max_digits || result->run.attempt > RAISES;
         if (result->run.digits > goal->max_digits)
             result->run.digits =
-                goal->max_digits > CNS_PROOF_DIGITS + 4 ? goal->max_digits : CNS_PROOF_DIGITS + 4;
-        result->run.proof_digits = result->run.digits - CNS_PROOF_DIGITS;
+                goal->max_digits > CNS_ANOTHER_LIMB + 4 ? goal->max_digits : CNS_ANOTHER_LIMB + 4;
         code = attempt(p, goal, &schedule, last, stuck >= 2, deadline, &row, &shortage, result, err);
         if (code == CNS_NUMERIC && !doubted && !last) {
             /* Digits lost in the problem itself can look like an error, or like a singularity: ask again with
@@ -395,48 +326,18 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
                             cns_error *err)
 {
     double since = cns_seconds();
-    cns_flow_spec given = cns_given_spec(p, n), fine;
-    cns_number half_step;
+    cns_proof_runs runs;
     walk w;
     *result = (cns_result){.decimals = -1, .run = {.attempt = 1}};
-
-    /* The finer run of a proof: more digits; a Taylor run also another order and smaller steps, a
-     * Runge-Kutta run half the step. */
-    fine = given;
-    cns_number_init(&half_step);
-    long fine_digits = n->digits;
-    if (prove) {
-        fine_digits = (n->digits > 0 ? n->digits : 16) + CNS_PROOF_DIGITS;
-        fine.arithmetic =
-            n->method == CNS_METHOD_RK4 || n->arithmetic == CNS_ARITH_MPFR ? CNS_ARITH_MPFR : CNS_ARITH_FAST;
-        fine.prec = cns_digits_to_bits(fine_digits);
-        if (n->fixed_step) {
-            cns_number_set(&half_step, &n->step);
-            mpq_div_2exp(half_step.ratio, half_step.ratio, 1);
-            fine.step = &half_step;
-        }
-        fine.tolerance_log2 -= CNS_PROOF_DIGITS * CNS_LOG2_10;
-        fine.safety = CNS_FINE_SAFETY;
-        if (n->method == CNS_METHOD_TAYLOR)
-            fine.order = n->order > 0 ? given.order + given.order / 8 + 2
-                                      : cns_order_for(fine.tolerance_log2, fine.arithmetic);
-        result->run.proof_digits = n->digits > 0 ? n->digits : 16;
-    }
-    cns_code code = describe(&result->run, fine_digits, &fine, prove ? &given : NULL, err);
-    if (code) {
-        cns_number_clear(&half_step);
-        return code;
-    }
-    code = walk_init(&w, p, &fine, prove ? &given : NULL, fine_digits, 0, 0, err);
-    if (!code)
-        code = begin(p, result, err);
-    for (unsigned long row = 0; !code && cns_row_time(p, row, w.time); row++) {
+    cns_proof_of_numerics(&runs, p, n, prove);
+    cns_code code = walk_open(&w, p, &runs, 0, 0, result, err);
+    for (unsigned long row = 0; !code && cns_row_time(p->every, p->end, row, w.time); row++) {
         long places = -1;
         code = walk_to(&w, err);
         if (code)
             break;
         if (prove) {
-            places = proven_places(&w, CNS_PLACES_DECIMALS, n->digits > 0 ? n->digits : 16);
+            places = proven_places(&w, CNS_PLACES_DECIMALS, runs.coarse_digits);
             if (places < 0) {
                 code = cns_fail(err, CNS_UNREACHED, "no decimal can be proven from t = %.12g on",
                                 mpq_get_d(w.time));
@@ -446,9 +347,8 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
         code = emit(&w, row, CNS_PLACES_DECIMALS, places, result, err);
         progress(&w, result, since);
     }
-    finish(&w, result);
-    walk_clear(&w);
-    cns_number_clear(&half_step);
+    walk_close(&w, result);
+    cns_proof_runs_clear(&runs);
     result->complete = !code;
     result->wall_s = cns_seconds() - since;
     return code;

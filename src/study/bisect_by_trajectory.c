@@ -17,12 +17,12 @@
 #include "ensemble.h"
 #include "num/decimal_text.h"
 #include "num/logs.h"
+#include "solve/proof.h"
 #include "study/modes/returns.h"
 
 enum {
     FIRST_DIGITS = 20,
-    MORE_DIGITS = 22, /* of the runs that confirm the last bracket: another limb */
-    EXTRA = 10,       /* decimals looked at where both ends round differently */
+    EXTRA = 10, /* decimals looked at where both ends round differently */
     MAX_DIGITS = 1000
 };
 
@@ -111,7 +111,7 @@ static cns_code run(void *context, int i, cns_ensemble_job *job, char **result, 
         if (decided)
             break;
         const long needed = (long)fmin(grown, MAX_DIGITS) + 14;
-        digits = needed > digits + MORE_DIGITS ? needed : digits + MORE_DIGITS;
+        digits = needed > digits + CNS_ANOTHER_LIMB ? needed : digits + CNS_ANOTHER_LIMB;
     }
     cns_system_close(&S);
     if (code)
@@ -262,7 +262,7 @@ static cns_code narrow(search *f, cns_error *err)
     }
     cns_number_clear(&x);
     if (!code)
-        code = confirm(f, most + MORE_DIGITS, err);
+        code = confirm(f, most + CNS_ANOTHER_LIMB, err);
     if (!code && r->decimals < f->spec->decimals)
         code = cns_fail(err, CNS_UNREACHED, "%ld of %ld decimals", r->decimals, f->spec->decimals);
     return code;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/memory.h"
+#include "integrate/numerics.h"
 #include "num/logs.h"
 #include "taylor/tangent.h"
 
@@ -65,15 +66,13 @@ static cns_code walk_open(walk *w, const cns_lyapunov_problem *p, cns_error *err
     if (code)
         return code;
     const bool in_double = p->arithmetic == CNS_ARITH_DOUBLE;
-    const double tolerance = in_double ? DOUBLE_TOLERANCE_LOG2 : -(double)p->digits * CNS_LOG2_10;
-    cns_flow_spec spec = {.program = w->program,
-                          .scales = w->scales,
-                          .method = CNS_METHOD_TAYLOR,
-                          .arithmetic = p->arithmetic,
-                          .prec = in_double ? 53 : cns_digits_to_bits(p->digits),
-                          .order = in_double ? DOUBLE_ORDER : cns_order_for(tolerance, p->arithmetic),
-                          .tolerance_log2 = tolerance,
-                          .stop = p->stop};
+    cns_flow_spec spec =
+        cns_flow_spec_taylor(w->program, w->scales, p->arithmetic, in_double ? CNS_DOUBLE_DIGITS : p->digits);
+    if (in_double) {
+        spec.order = DOUBLE_ORDER;
+        spec.tolerance_log2 = DOUBLE_TOLERANCE_LOG2;
+    }
+    spec.stop = p->stop;
     for (int i = 0; i < 2 * w->d; i++)
         mpfr_init2(w->x[i], spec.prec);
     w->order = spec.order;

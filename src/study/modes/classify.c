@@ -10,12 +10,11 @@
 #include "num/decimal_text.h"
 #include "num/logs.h"
 #include "returns.h"
+#include "solve/proof.h"
 
 enum {
     SECOND_DIGITS = 30, /* of the run that confirms one in double */
-    MORE_DIGITS = 22,   /* another limb, so that no constant is rounded in the same place */
     PRINTED = 10,       /* decimals, at most */
-    SAFETY_LOG2 = 4,    /* by which the difference of two runs is enlarged */
     JOINT_LOG2 = -30,   /* of a period: so near to its end is at its end */
     ROUNDS = 12,
     CYCLE_LEAST_BITS = 60 /* of a cycle's state after one repetition */
@@ -204,20 +203,14 @@ static cns_code measure(const cns_return_map *S, const cns_late *late, const cns
 /* What two measurements agree on, of fine, as text; NULL: not even its integer part. */
 static char *agreed(mpfr_srcptr coarse, mpfr_srcptr fine, double noise_log2)
 {
-    mpfr_t e, x;
-    char *text = NULL;
-    mpfr_inits2(64, e, x, (mpfr_ptr)0);
-    mpfr_sub(e, fine, coarse, MPFR_RNDA);
-    mpfr_abs(e, e, MPFR_RNDN);
-    mpfr_set_d(x, noise_log2, MPFR_RNDU);
-    mpfr_exp2(x, x, MPFR_RNDU);
-    mpfr_max(e, e, x, MPFR_RNDU);
-    mpfr_mul_2ui(e, e, SAFETY_LOG2, MPFR_RNDU);
-    for (long decimals = PRINTED; decimals >= 0 && text == NULL; decimals--)
-        if (cns_text_certain(fine, e, CNS_PLACES_DECIMALS, decimals))
-            text = cns_text_mpfr(fine, CNS_PLACES_DECIMALS, decimals);
-    mpfr_clears(e, x, (mpfr_ptr)0);
-    return text;
+    mpfr_t e;
+    mpfr_init2(e, 64);
+    mpfr_set_zero(e, 1);
+    cns_proof_error(e, fine, coarse, noise_log2);
+    const cns_bounded value = {fine, e};
+    const long decimals = cns_proof_places(&value, 1, CNS_PLACES_DECIMALS, PRINTED);
+    mpfr_clear(e);
+    return decimals >= 0 ? cns_text_mpfr(fine, CNS_PLACES_DECIMALS, decimals) : NULL;
 }
 
 /* Fills the motion from a cycle, found and measured in two precisions. */
@@ -311,7 +304,8 @@ static cns_code settle_cycle(const cns_return_map *S, const cns_late *late, long
 {
     cns_cycle coarse = {0}, fine = {0};
     const mpfr_t *z = (const mpfr_t *)late->z;
-    const long coarse_digits = digits > 0 ? digits : SECOND_DIGITS, fine_digits = coarse_digits + MORE_DIGITS;
+    const long coarse_digits = digits > 0 ? digits : SECOND_DIGITS,
+               fine_digits = coarse_digits + CNS_ANOTHER_LIMB;
     cns_code code = cns_cycle_find(S, z, late->returns, late->direction, coarse_digits, &coarse, err);
     /* What grows within one repetition, as near a saddle, takes digits of its own. */
     *short_of_digits =
@@ -365,7 +359,7 @@ static long more_digits(long digits, const cns_late *late, double horizon)
     const double base = -(double)cns_study_bits(digits);
     const double grown = (late->noise_log2 - base) * CNS_LOG10_2 * fmax(1, horizon / late->time);
     const long needed = (long)fmin(grown, 1e6) + 12;
-    const long least = digits == 0 ? SECOND_DIGITS : digits + MORE_DIGITS;
+    const long least = digits == 0 ? SECOND_DIGITS : digits + CNS_ANOTHER_LIMB;
     return needed > least ? needed : least;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/memory.h"
 #include "integrate/growth.h"
+#include "integrate/numerics.h"
 #include "num/logs.h"
 #include "num/vector.h"
 #include "study/saddle/fixed_point.h"
@@ -19,7 +20,8 @@ enum {
     BATCH_STEPS = 250, /* of the exponent */
     LEAST_BATCHES = 32,
     MOST_BATCHES = 512,
-    GROUPS = 16 /* batch means, for the exponent's error */
+    GROUPS = 16, /* batch means, for the exponent's error */
+    DOUBLE_TOLERANCE_LOG2 = -52
 };
 
 #define LOG2_E 1.4426950408889634074 /* log2 e */
@@ -32,20 +34,17 @@ static const double settled_log2 = -10;  /* nearer to its late motion than this,
 
 mpfr_prec_t cns_study_bits(long digits)
 {
-    return digits > 0 ? cns_digits_to_bits(digits) : 53;
+    return digits > 0 ? cns_digits_to_bits(digits) : CNS_DOUBLE_BITS;
 }
 
 cns_flow_spec cns_study_flow(const cns_study *s, const cns_program *p, const double *scales, long digits)
 {
-    cns_flow_spec spec = {.program = p,
-                          .scales = scales,
-                          .method = CNS_METHOD_TAYLOR,
-                          .arithmetic = digits > 0 ? CNS_ARITH_FAST : CNS_ARITH_DOUBLE,
-                          .portable = true,
-                          .prec = cns_study_bits(digits),
-                          .tolerance_log2 = digits > 0 ? -(double)digits * CNS_LOG2_10 : -52,
-                          .stop = s->stop};
-    spec.order = cns_order_for(spec.tolerance_log2, spec.arithmetic);
+    cns_flow_spec spec = digits > 0 ? cns_flow_spec_taylor(p, scales, CNS_ARITH_FAST, digits)
+                                    : cns_flow_spec_taylor(p, scales, CNS_ARITH_DOUBLE, CNS_DOUBLE_DIGITS);
+    if (digits == 0)
+        spec.tolerance_log2 = DOUBLE_TOLERANCE_LOG2;
+    spec.portable = true;
+    spec.stop = s->stop;
     return spec;
 }
 

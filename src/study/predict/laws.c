@@ -1,5 +1,6 @@
 #include "cns/study/laws.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,6 +10,8 @@
 #include "cns/version.h"
 #include "core/memory.h"
 #include "core/sha256.h"
+#include "integrate/numerics.h"
+#include "integrate/rows.h"
 #include "integrate/trajectory.h"
 #include "num/logs.h"
 #include "study/ensemble.h"
@@ -96,37 +99,22 @@ static void on_progress(void *context, double fraction, const char *what)
 
 static void row_time(const laws *l, int row, mpq_t t)
 {
-    mpq_set_ui(t, (unsigned long)row, 1);
-    mpq_mul(t, t, l->study->every->ratio);
+    cns_row_time(l->study->every, l->study->end, (unsigned long)row, t);
 }
 
-/* The last row that the study's end allows. */
+/* The last row that the study's end allows; laws compare at multiples of `every` only. */
 static int last_row(const laws *l)
 {
-    mpq_t q;
-    mpz_t z;
-    mpq_init(q);
-    mpz_init(z);
-    mpq_div(q, l->study->end->ratio, l->study->every->ratio);
-    mpz_fdiv_q(z, mpq_numref(q), mpq_denref(q));
-    const long rows = mpz_fits_sint_p(z) ? mpz_get_si(z) : 0x7ffffffe;
-    mpq_clear(q);
-    mpz_clear(z);
-    return (int)rows;
+    const long last = cns_last_multiple(l->study->every, l->study->end);
+    return last < INT_MAX ? (int)last : INT_MAX - 1;
 }
 
 static cns_flow_spec taylor(const laws *l, const cns_program *p, long digits, double safety)
 {
-    const double tolerance = -(double)digits * CNS_LOG2_10;
-    return (cns_flow_spec){.program = p,
-                           .scales = l->study->scales,
-                           .method = CNS_METHOD_TAYLOR,
-                           .arithmetic = CNS_ARITH_FAST,
-                           .prec = cns_digits_to_bits(digits),
-                           .order = cns_order_for(tolerance, CNS_ARITH_FAST),
-                           .tolerance_log2 = tolerance,
-                           .safety = safety,
-                           .stop = l->study->stop};
+    cns_flow_spec spec = cns_flow_spec_taylor(p, l->study->scales, CNS_ARITH_FAST, digits);
+    spec.safety = safety;
+    spec.stop = l->study->stop;
+    return spec;
 }
 
 /* Noise that is made late has less time to grow: a reference that began with so many digits can do with fewer
@@ -869,7 +857,7 @@ cns_code cns_laws(const cns_study *study, const cns_laws_spec *spec, const char 
         return code;
     l.order = spec->steps.order > 0
                   ? (int)spec->steps.order
-                  : cns_order_for(-(double)spec->steps.digits * CNS_LOG2_10, CNS_ARITH_MPFR);
+                  : cns_order_for(cns_digits_to_tolerance(spec->steps.digits), CNS_ARITH_MPFR);
     r->order = l.order;
     l.identity = identity(&l);
     code = cns_study_program(study, &l.exact, err);

@@ -4,19 +4,19 @@
 #include <stdlib.h>
 
 #include "core/memory.h"
+#include "integrate/numerics.h"
+#include "integrate/rows.h"
 #include "num/logs.h"
+#include "solve/proof.h"
 
 enum {
-    PREC = 64,             /* of differences and limits */
-    TRUST_LOG2 = 44,       /* 24 for what noise may exceed its estimate by, 20 for the accuracy of T_c */
-    GATE_LOG2 = 30,        /* intervals are looked into once a difference is within this of delta */
-    PIECES = 16,           /* parts of an interval that no step may leap over */
-    RESOLUTION_LOG2 = 24,  /* of T_c, in intervals */
-    UNEXCITED_LOG2 = 8,    /* a difference so far below what noise would have grown to has not grown */
-    WORKING_DIGITS = 12,   /* of a K-digit run, beyond K */
-    REFERENCE_DIGITS = 22, /* of the reference, beyond those of the run: a limb and a safe distance */
-    DOUBLE_DIGITS = 16,
-    REFERENCE_SAFETY_PERCENT = 10
+    PREC = 64,            /* of differences and limits */
+    TRUST_LOG2 = 44,      /* 24 for what noise may exceed its estimate by, 20 for the accuracy of T_c */
+    GATE_LOG2 = 30,       /* intervals are looked into once a difference is within this of delta */
+    PIECES = 16,          /* parts of an interval that no step may leap over */
+    RESOLUTION_LOG2 = 24, /* of T_c, in intervals */
+    UNEXCITED_LOG2 = 8,   /* a difference so far below what noise would have grown to has not grown */
+    WORKING_DIGITS = 12   /* of a K-digit run, beyond K */
 };
 
 void cns_tc_result_clear(cns_tc_result *r)
@@ -258,19 +258,6 @@ static bool enough(const walk *w)
     return true;
 }
 
-/* The time of row number `row`, at most the end; false: there is none. */
-static bool row_time(const cns_tc_pair *p, unsigned long row, mpq_t t)
-{
-    mpq_set_ui(t, row, 1);
-    mpq_mul(t, t, p->every->ratio);
-    if (mpq_cmp(t, p->end->ratio) < 0)
-        return true;
-    mpq_sub(t, t, p->every->ratio);
-    const bool first = row == 0 || mpq_cmp(t, p->end->ratio) < 0;
-    mpq_set(t, p->end->ratio);
-    return first;
-}
-
 static cns_code test_failed(cns_code code, cns_error *err)
 {
     const cns_error inner = *err;
@@ -281,7 +268,7 @@ static cns_code test_failed(cns_code code, cns_error *err)
 static cns_code go(walk *w, cns_tc_result *r, unsigned long *row, cns_error *err)
 {
     const double end = cns_number_get_d(w->pair->end);
-    for (*row = 0; row_time(w->pair, *row, w->to); ++*row) {
+    for (*row = 0; cns_row_time(w->pair->every, w->pair->end, *row, w->to); ++*row) {
         cns_code code = CNS_OK;
         const bool forced = w->forced && *row < w->n_forced && w->forced[*row];
         if (*row > 0 && (forced || gate_open(w)))
@@ -377,7 +364,7 @@ static bool *rows_missed(const cns_tc_pair *pair, const cns_tc_result *r, const 
     mpq_init(t);
     for (int i = 0; i < r->n; i++)
         for (unsigned long row = 0; missed[i] && row < rows; row++)
-            if (row_time(pair, row, t) && mpq_get_d(t) == r->time[i].row) {
+            if (cns_row_time(pair->every, pair->end, row, t) && mpq_get_d(t) == r->time[i].row) {
                 if (!forced)
                     forced = cns_xalloc(rows, sizeof *forced);
                 forced[row] = true;
@@ -409,51 +396,29 @@ cns_code cns_tc_compare(const cns_tc_pair *pair, cns_tc_result *result, cns_erro
 cns_flow_spec cns_tc_flow(const cns_program *program, const double *scales, const cns_numerics *n,
                           const volatile sig_atomic_t *stop)
 {
-    const bool in_double = n->arithmetic == CNS_ARITH_DOUBLE;
-    const long digits = in_double ? DOUBLE_DIGITS : n->digits + WORKING_DIGITS;
-    cns_flow_spec spec = {.program = program,
-                          .scales = scales,
-                          .method = n->method,
-                          .arithmetic = n->arithmetic,
-                          .prec = cns_digits_to_bits(digits),
-                          .step = n->fixed_step ? &n->step : NULL,
-                          .tolerance_log2 = -(double)digits * CNS_LOG2_10,
-                          .round_digits = in_double ? 0 : n->digits,
-                          .stop = stop};
-    if (!n->auto_tolerance) {
-        mpfr_t x;
-        mpfr_init2(x, PREC);
-        cns_number_get_mpfr(x, &n->tolerance);
-        spec.tolerance_log2 = cns_log2_mpfr(x);
-        mpfr_clear(x);
-    }
-    spec.order = n->order > 0 ? (int)n->order : cns_order_for(spec.tolerance_log2, spec.arithmetic);
+    cns_flow_spec spec = cns_flow_spec_given(program, scales, n, WORKING_DIGITS);
+    spec.round_digits = n->arithmetic == CNS_ARITH_DOUBLE ? 0 : n->digits;
+    spec.stop = stop;
     return spec;
 }
 
 static cns_flow_spec reference_flow(const cns_program *program, const double *scales, long digits,
                                     const volatile sig_atomic_t *stop)
 {
-    const double tolerance = -(double)digits * CNS_LOG2_10;
-    return (cns_flow_spec){.program = program,
-                           .scales = scales,
-                           .method = CNS_METHOD_TAYLOR,
-                           .arithmetic = CNS_ARITH_FAST,
-                           .prec = cns_digits_to_bits(digits),
-                           .order = cns_order_for(tolerance, CNS_ARITH_FAST),
-                           .tolerance_log2 = tolerance,
-                           .safety = REFERENCE_SAFETY_PERCENT / 100.0,
-                           .verify = true,
-                           .stop = stop};
+    cns_flow_spec spec = cns_flow_spec_taylor(program, scales, CNS_ARITH_FAST, digits);
+    spec.safety = CNS_FINE_SAFETY;
+    spec.verify = true;
+    spec.stop = stop;
+    return spec;
 }
 
 cns_code cns_tc_measure(const cns_study *study, const cns_tc_request *q, cns_tc_result *result,
                         cns_error *err)
 {
     const bool automatic = q->reference_digits == 0;
-    const long own = q->numerics->arithmetic == CNS_ARITH_DOUBLE ? DOUBLE_DIGITS : q->numerics->digits;
+    const long own = q->numerics->arithmetic == CNS_ARITH_DOUBLE ? CNS_DOUBLE_DIGITS : q->numerics->digits;
     const double end = cns_number_get_d(study->end);
-    long digits = automatic ? own + REFERENCE_DIGITS : q->reference_digits;
+    long digits = automatic ? own + CNS_ANOTHER_LIMB : q->reference_digits;
     cns_trajectory_spec test = {.flow = cns_tc_flow(q->program, study->scales, q->numerics, study->stop),
                                 .initial = study->initial,
                                 .outputs = q->outputs,

@@ -9,6 +9,7 @@
 #include "manifold.h"
 #include "num/logs.h"
 #include "num/vector.h"
+#include "solve/proof.h"
 
 enum {
     MAX_IMAGES = 128,
@@ -354,17 +355,11 @@ static cns_code find_saddle(probe *p, slong prec, cns_error *err)
 /* The two ways to the same numbers. */
 static cns_flow_spec numerics(const probe *p, long digits, int variant)
 {
-    const double tolerance_log2 = -(double)digits * CNS_LOG2_10;
-    return (cns_flow_spec){.program = p->reduced.field,
-                           .scales = p->scales,
-                           .method = CNS_METHOD_TAYLOR,
-                           .arithmetic = CNS_ARITH_FAST,
-                           .prec = cns_digits_to_bits(digits),
-                           .order = cns_order_for(tolerance_log2, CNS_ARITH_FAST),
-                           .tolerance_log2 = tolerance_log2,
-                           .safety = variant > 0 ? 0.1 : 0,
-                           .verify = true,
-                           .stop = p->s->stop};
+    cns_flow_spec spec = cns_flow_spec_taylor(p->reduced.field, p->scales, CNS_ARITH_FAST, digits);
+    spec.safety = variant > 0 ? CNS_FINE_SAFETY : 0;
+    spec.verify = true;
+    spec.stop = p->s->stop;
+    return spec;
 }
 
 /* Smoothing moves a connection by some eps^2: nothing, if eps < 2^-(2/3 prec + 16), and a series about a
