@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "integrate/numerics.h"
+#include "num/decimal_text.h"
 #include "num/logs.h"
 
 enum {
