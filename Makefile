@@ -61,6 +61,7 @@ TOOLS   := $(patsubst tools/%.c,$(B)/%,$(TOOL_SOURCES))
 BENCHES := $(B)/bench_engine $(B)/bench_table
 
 prefix     ?= /usr/local
+LDCONFIG   ?= ldconfig
 bindir     ?= $(prefix)/bin
 libdir     ?= $(prefix)/lib
 includedir ?= $(prefix)/include
@@ -185,14 +186,15 @@ $(TOOLS): $(B)/%: $(B)/obj/tools/%.o $(LIB)
 
 $(B)/obj/tests/main.o: $(B)/suites.def
 
-# Small files made from variables; each is written anew only when its text changes.
+# Small files made from variables; each is written only when its text changes, so that installing as another user
+# builds nothing anew and writes nothing here.
 
 $(B)/flags:      TEXT = $(COMPILE) $(LDFLAGS) $(ALL_LDLIBS) | $(shell $(CC) --version 2>/dev/null | head -n 1)
 $(B)/sources:    TEXT = $(LIB_SOURCES) | $(CLI_SOURCES) | $(TEST_SOURCES)
 $(B)/suites.def: TEXT = $(patsubst tests/test_%.c,SUITE(%),$(SUITE_SOURCES))
 $(B)/flags $(B)/sources $(B)/suites.def: FORCE
 	@mkdir -p $(@D)
-	@printf '%s\n' $(call quoted,$(TEXT)) > $@.new; cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+	@printf '%s\n' $(call quoted,$(TEXT)) | cmp -s - $@ || printf '%s\n' $(call quoted,$(TEXT)) > $@
 
 -include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(TEST_SOURCES) $(TOOL_SOURCES)))
 
@@ -206,13 +208,14 @@ install: all
 	ln -sf $(notdir $(SHARED)) $(DESTDIR)$(libdir)/$(SONAME)
 	ln -sf $(SONAME) $(DESTDIR)$(libdir)/libcns.so
 	rm -rf $(DESTDIR)$(includedir)/cns
-	for h in $(HEADERS:include/%=%); do install -D -m 644 include/$$h $(DESTDIR)$(includedir)/$$h || exit 1; done
+	for d in $(patsubst include/%,%,$(sort $(dir $(HEADERS)))); do install -d $(DESTDIR)$(includedir)/$$d && \
+	    install -m 644 include/$$d*.h $(DESTDIR)$(includedir)/$$d || exit 1; done
 	printf '%s\n' 'prefix=$(prefix)' 'libdir=$(call under_prefix,$(libdir))' \
 	    'includedir=$(call under_prefix,$(includedir))' '' \
 	    'Name: cns' 'Description: Clean Numerical Simulation of chaotic ODEs' 'Version: $(VERSION)' \
 	    'Requires: mpfr gmp' 'Requires.private: yaml-0.1' 'Cflags: -I$${includedir}' 'Libs: -L$${libdir} -lcns' \
 	    'Libs.private: $(FLINT) -pthread -lm' > $(DESTDIR)$(libdir)/pkgconfig/cns.pc
-	@[ -n '$(DESTDIR)' ] || PATH=$$PATH:/sbin:/usr/sbin ldconfig 2>/dev/null || true
+	@[ -n "$(DESTDIR)" ] || PATH=$$PATH:/sbin:/usr/sbin $(LDCONFIG) 2>/dev/null || true
 
 uninstall:
 	rm -f $(addprefix $(DESTDIR),$(bindir)/cns $(libdir)/libcns.a $(libdir)/libcns.so* $(libdir)/pkgconfig/cns.pc)

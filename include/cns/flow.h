@@ -1,7 +1,14 @@
-/* Integration: a trajectory of a program, step by step, by any method, with dense output.
+/* Integration step by step, by any method, with dense output.
  *
- * A flow holds the last step [t0, t1] with the states at both ends and evaluates the states anywhere in
- * between. Steps are a function of the problem and the numerics alone: output times never change them. */
+ * A flow is one trajectory of a program, x' = f(x) from x(0), in the units of the equations. It holds its
+ * last step [t0, t1], the states at both ends, and the states anywhere in between (dense output). In order:
+ *
+ *     cns_flow_new(), cns_flow_start(), then again and again cns_flow_step(),
+ *
+ * and after each step what is of interest: cns_flow_end() and cns_flow_state(), or cns_flow_eval() at times
+ * within it. Steps are a function of the problem and the numerics alone: output times never change them.
+ *
+ * One thread at a time may use a flow. Flows share nothing but their program, which is only read. */
 #ifndef CNS_FLOW_H
 #define CNS_FLOW_H
 
@@ -28,25 +35,25 @@ typedef enum cns_arithmetic {
 } cns_arithmetic;
 
 /* Precision that falls with time: digits for steps that begin in each of n equal parts of [0, end], never
- * more than in the part before; the last part's from then on. Noise made at t only matters as far as it grows
- * to the last row. */
+ * more than in the part before; after the end, those of the last part. A rounding error made at time t grows
+ * only from t on: the later it is made, the less it has grown by the end, and the fewer digits are needed. */
 typedef struct cns_schedule {
     double end;
     int n;
     long *digits;
 } cns_schedule;
 
-long cns_schedule_at(const cns_schedule *s, double t);
+long cns_schedule_at(const cns_schedule *s, double t); /* the digits of a step that begins at t */
 
 typedef struct cns_flow_spec {
     const cns_program *program; /* finished; outlives the flow */
-    const double *scales;       /* per state, typical sizes: what tolerances are relative to */
+    const double *scales;       /* per state, > 0, typical sizes: what tolerances and noise are relative to */
     cns_method method;
     cns_arithmetic arithmetic;
     bool portable;                /* double: correctly rounded functions, the same bits on every machine */
     mpfr_prec_t prec;             /* bits; ignored (53) for double */
     int order;                    /* of the Taylor series, >= 1 */
-    const cns_number *step;       /* NULL: adaptive; else fixed, > 0; outlives the flow */
+    const cns_number *step;       /* NULL: adaptive; else fixed: > 0, rational. RK4 needs one */
     double tolerance_log2;        /* adaptive: log2 of the local truncation error, in scales */
     double safety;                /* adaptive: steps are 2^-safety of what the coefficients allow; >= 0 */
     const cns_schedule *schedule; /* Taylor, adaptive: digits by time instead of prec, order and tolerance,
@@ -88,11 +95,13 @@ cns_flow_spec cns_flow_spec_taylor(const cns_program *program, const double *sca
 cns_flow_spec cns_flow_spec_given(const cns_program *program, const double *scales,
                                   const cns_numerics *numerics, long spare);
 
+/* A new flow, which cns_flow_free() frees, or NULL: CNS_USAGE, what is asked for makes no sense; CNS_NUMERIC,
+ * out of memory, or a constant that is not finite; err->code says which. */
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err);
 void cns_flow_free(cns_flow *f);
 size_t cns_flow_bytes(const cns_flow *f); /* of memory that it holds: series and vectors */
 
-/* To t = 0 with these states, converted at the flow's precision. */
+/* To t = 0 with these states (one per state), converted at the flow's precision. */
 void cns_flow_start(cns_flow *f, const cns_number *initial);
 /* The same with states that are results, not texts: rounded to the flow's precision. */
 void cns_flow_start_at(cns_flow *f, const mpfr_t *initial);
@@ -101,23 +110,26 @@ void cns_flow_start_at(cns_flow *f, const mpfr_t *initial);
  * equations are linear. The next step begins with them; the last step still evaluates to what it was. */
 void cns_flow_rescale(cns_flow *f, int first, int count, long exponent);
 
-/* One step. CNS_NUMERIC: singularity, underflow, a number that is not finite, or (verify) a derivative
- * that is not the right-hand side; the message says where. CNS_STOPPED: spec.stop was raised. */
+/* One step: t0 = the old t1. CNS_NUMERIC: singularity, underflow, a number that is not finite, or (verify) a
+ * derivative that is not the right-hand side; the message says where. CNS_STOPPED: spec.stop was raised. */
 cns_code cns_flow_step(cns_flow *f, cns_error *err);
 
-int cns_flow_states(const cns_flow *f);
-mpfr_prec_t cns_flow_prec(const cns_flow *f);
-mpfr_srcptr cns_flow_begin(const cns_flow *f);   /* t0 of the last step */
-mpfr_srcptr cns_flow_end(const cns_flow *f);     /* t1 */
-const mpfr_t *cns_flow_state(const cns_flow *f); /* at t1 */
-const mpfr_t *cns_flow_begin_state(const cns_flow *f);
-bool cns_flow_landed(const cns_flow *f);       /* did the last step end on a kink? */
-double cns_flow_noise_log2(const cns_flow *f); /* of the last step: rounding or truncation, in scales */
+/* Of the last step; before the first one t0 = t1 = 0. What they point to changes with the next step. */
+mpfr_srcptr cns_flow_begin(const cns_flow *f);         /* t0 */
+mpfr_srcptr cns_flow_end(const cns_flow *f);           /* t1 */
+const mpfr_t *cns_flow_begin_state(const cns_flow *f); /* at t0, one per state */
+const mpfr_t *cns_flow_state(const cns_flow *f);       /* at t1, one per state */
+bool cns_flow_landed(const cns_flow *f);               /* did it end on a kink, a zero of some abs()? */
+double cns_flow_noise_log2(const cns_flow *f); /* log2 of its error, rounding or truncation, in scales */
+
+int cns_flow_states(const cns_flow *f);       /* how many */
+mpfr_prec_t cns_flow_prec(const cns_flow *f); /* bits of the states */
 
 /* log2 of the step that a series of this order would allow where the last step began, at this tolerance,
  * from the last step's coefficients: an estimate. False if they tell nothing. */
 bool cns_flow_reach(const cns_flow *f, double tolerance_log2, int order, double *h_log2);
 
+/* Since the start: steps, and those of them that ended on a kink. */
 long cns_flow_steps(const cns_flow *f);
 long cns_flow_landings(const cns_flow *f);
 

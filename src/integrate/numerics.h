@@ -15,8 +15,8 @@ enum {
 double cns_digits_to_tolerance(long digits);
 
 /* The order at which a Taylor step of local error 2^tolerance_log2 costs least: 1 - ln(tolerance)/2 (Jorba
- * and Zou 2005, section 3), which makes coefficients fall by 2.9 bits per order; the fast arithmetic wants a
- * little more than the three bits that it is made for. */
+ * and Zou, Experimental Mathematics 14 (2005) 99, section 3), which makes coefficients fall by 2.9 bits per
+ * order; the fast arithmetic wants a little more than the three bits that it is made for. */
 int cns_order_for(double tolerance_log2, cns_arithmetic arithmetic);
 
 /* The arithmetic that a Taylor flow of this order really uses: below order 8 MPFR costs less than the fast
