@@ -15,15 +15,8 @@ enum { LOOKAHEAD = 4 };
  * square is the last to begin, at 2. */
 enum { FIRST_REPEATED = 3 };
 
-static void number_value(mpfr_t y, const cns_program *p, const cns_tape_node *n)
-{
-    if (n->op == CNS_OP_PARAMETER)
-        cns_number_get_mpfr(y, &p->parameters[n->index]);
-    else
-        cns_number_get_mpfr(y, n->index < 0 ? &p->smooth : &p->constants[n->index]);
-}
-
-/* Constants are computed once, by the same recurrences, in MPFR with bits to spare. */
+/* Constants are computed once, by the same recurrences, in MPFR with bits to spare; J->x, too, has them then.
+ */
 static cns_code compute_constants(cns_jet *J, cns_error *err)
 {
     const mpfr_prec_t prec = J->spec.prec + 64;
@@ -31,37 +24,28 @@ static cns_code compute_constants(cns_jet *J, cns_error *err)
     cns_arith *target = J->A;
     int *series = J->series;
     cns_code code = CNS_OK;
-    mpfr_t y;
 
     J->A = cns_arith_mpfr.create(&spec, err);
     J->series = malloc(((size_t)J->p->n_nodes + 1) * sizeof *J->series);
     if (!J->A || !J->series) {
         code = cns_fail(err, CNS_NUMERIC, "out of memory");
     } else {
-        mpfr_init2(y, prec);
+        mpfr_set_prec(J->x, prec);
         J->ops = &cns_arith_mpfr;
         for (int v = 0; v < J->p->n_nodes; v++)
             J->series[v] = v;
-        for (int v = 0; v < J->p->n_nodes && !code; v++) {
-            const cns_tape_node *n = &J->p->node[v];
-            if (!n->constant)
-                continue;
-            if (cns_op_recurrence[n->op]) {
-                code = cns_op_recurrence[n->op](J, v, 0, err);
-            } else {
-                number_value(y, J->p, n);
-                J->ops->set(J->A, v, 0, y, false);
-            }
-        }
+        for (int v = 0; v < J->p->n_nodes && !code; v++)
+            if (J->p->node[v].constant)
+                code = cns_operation_of(J, v)->recurrence(J, v, 0, err);
         for (int v = 0; v < J->p->n_nodes && !code; v++)
             if (J->p->node[v].constant) {
-                J->ops->get(J->A, y, v, 0);
-                if (!mpfr_number_p(y))
+                J->ops->get(J->A, J->x, v, 0);
+                if (!mpfr_number_p(J->x))
                     code = cns_fail(err, CNS_NUMERIC, "a constant of the model is not a finite number");
-                J->spec.ops->set(target, series[v], 0, y, true);
-                J->constant_zero[v] = mpfr_zero_p(y) != 0;
+                J->spec.ops->set(target, series[v], 0, J->x, true);
+                J->constant_zero[v] = mpfr_zero_p(J->x) != 0;
             }
-        mpfr_clear(y);
+        mpfr_set_prec(J->x, J->spec.prec);
     }
     if (J->A)
         cns_arith_mpfr.destroy(J->A);
@@ -202,42 +186,9 @@ static void find_vanishing(cns_jet *J)
     if (!candidates)
         return;
     while (changed) {
-        for (int v = 0; v < p->n_nodes; v++) {
-            const cns_tape_node *n = &p->node[v];
-            bool a = n->arg[0] >= 0 && J->vanishes[n->arg[0]], b = n->arg[1] >= 0 && J->vanishes[n->arg[1]];
-            switch (n->op) {
-            case CNS_OP_STATE:
-                J->vanishes[v] = J->state_vanishes[n->index];
-                break;
-            case CNS_OP_ADD:
-            case CNS_OP_SUB:
-            case CNS_OP_HYPOT:
-                J->vanishes[v] = a && b;
-                break;
-            case CNS_OP_MUL:
-            case CNS_OP_SCALE:
-                J->vanishes[v] = a || b;
-                break;
-            case CNS_OP_SIGNED:
-                J->vanishes[v] = a || b;
-                break;
-            case CNS_OP_NEG:
-            case CNS_OP_SQR:
-            case CNS_OP_SQRT:
-            case CNS_OP_EULER:
-            case CNS_OP_SIN:
-            case CNS_OP_ABS:
-                J->vanishes[v] = a;
-                break;
-            case CNS_OP_DIV:
-                J->vanishes[v] = a && !b;
-                break;
-            default:
-                J->vanishes[v] = false;
-            }
-            if (n->constant)
-                J->vanishes[v] = J->constant_zero[v];
-        }
+        for (int v = 0; v < p->n_nodes; v++)
+            J->vanishes[v] =
+                p->node[v].constant ? J->constant_zero[v] : cns_operation_of(J, v)->vanishes(J, v);
         changed = false;
         for (int i = 0; i < p->n_states; i++)
             if (J->state_vanishes[i] && !J->vanishes[p->derivative[i]] &&
@@ -262,7 +213,7 @@ static cns_code compose_order(cns_jet *J, int k, cns_error *err)
 {
     for (int i = 0; i < J->n_plan; i++) {
         int v = J->plan[i];
-        cns_code code = J->vanishes[v] ? CNS_OK : cns_op_recurrence[J->p->node[v].op](J, v, k, err);
+        cns_code code = J->vanishes[v] ? CNS_OK : cns_operation_of(J, v)->recurrence(J, v, k, err);
         if (code)
             return code;
     }
@@ -329,85 +280,6 @@ static cns_code expand_regular(cns_jet *J, int order, cns_error *err)
     return CNS_OK;
 }
 
-static int min2(int a, int b)
-{
-    return a < b ? a : b;
-}
-
-/* How many coefficients of node v its operands' known coefficients and leading zeros determine. */
-static int available(const cns_jet *J, int v)
-{
-    const cns_tape_node *n = &J->p->node[v];
-    const int *arg = n->arg, *K = J->known, *V = J->val;
-    int a = arg[0], b = arg[1], m, lead;
-    switch (n->op) {
-    case CNS_OP_ADD:
-    case CNS_OP_SUB:
-        return min2(K[a], K[b]);
-    case CNS_OP_MUL:
-        return min2(K[a] + V[b], K[b] + V[a]);
-    case CNS_OP_SQR:
-        return K[a] + V[a];
-    case CNS_OP_SCALE:
-    case CNS_OP_SIGNED:
-        return K[b];
-    case CNS_OP_DIV:
-        m = V[b];
-        lead = V[a] > m ? V[a] - m : 0;
-        return K[b] > m ? min2(K[a] - m, K[b] - m + lead) : 0;
-    case CNS_OP_SQRT:
-    case CNS_OP_SMOOTH_ABS:
-        if (n->op == CNS_OP_SMOOTH_ABS && J->sharp)
-            return K[b];
-        return K[a] > V[a] ? K[a] - V[a] / 2 : 0;
-    case CNS_OP_HYPOT:
-        if (J->vanishes[a] || J->vanishes[b])
-            return K[J->vanishes[a] ? b : a];
-        m = min2(V[a], V[b]);
-        return K[a] > m && K[b] > m ? min2(K[arg[2]], K[arg[3]]) - m : 0;
-    case CNS_OP_SIN:
-        return min2(K[a], K[v + 1] + 1);
-    case CNS_OP_COS:
-        return min2(K[a], K[arg[2]]);
-    case CNS_OP_LOG:
-    case CNS_OP_POW:
-        return min2(K[a], K[v + 1] + 1);
-    default:
-        return K[a];
-    }
-}
-
-static int leading_zeros_of_folded(const cns_jet *J, int v)
-{
-    const cns_tape_node *n = &J->p->node[v];
-    int a = n->arg[0], b = n->arg[1];
-    switch (n->op) {
-    case CNS_OP_ADD:
-    case CNS_OP_SUB:
-        return min2(J->val[a], J->val[b]);
-    case CNS_OP_MUL:
-        return J->val[a] + J->val[b];
-    case CNS_OP_SQR:
-        return 2 * J->val[a];
-    case CNS_OP_NEG:
-        return J->val[a];
-    default:
-        return J->val[b];
-    }
-}
-
-static bool pole(const cns_jet *J, int v)
-{
-    const cns_tape_node *n = &J->p->node[v];
-    if (n->op != CNS_OP_DIV)
-        return false;
-    if (J->vanishes[n->arg[1]])
-        return true;
-    if (J->known[n->arg[1]] <= J->val[n->arg[1]])
-        return false;
-    return J->val[n->arg[0]] < J->val[n->arg[1]] && J->known[n->arg[0]] > J->val[n->arg[0]];
-}
-
 /* The general expansion, for a start where something that divides, or lies under a root, vanishes. Every
  * node is computed as far as its operands allow; leading zeros become known on the way, and a quotient
  * whose divisor's first non-zero coefficient is not known yet waits, assumed finite: what it multiplies
@@ -434,28 +306,28 @@ static cns_code expand_singular(cns_jet *J, int order, cns_error *err)
             long e;
             if (n->constant || J->vanishes[v] || (!n->needed && !J->spec.outputs) || J->known[v] < 0)
                 continue;
-            if (pole(J, v)) {
-                if (n->needed)
-                    return cns_fail(err, CNS_NUMERIC, "division by zero (operation %%%d)", v);
-                J->known[v] = -far; /* an output has no value here; the solution has */
-                continue;
-            }
             if (n->op == CNS_OP_STATE) {
                 while (J->val[v] < J->known[v] && J->val[v] < room &&
                        J->ops->get_2exp(J->A, &e, J->series[v], J->val[v]) == 0)
                     J->val[v]++;
                 continue;
             }
-            int count = min2(available(J, v), room);
+            int count = cns_least(cns_operations[n->op]->known(J, v), room);
+            if (count == CNS_POLE) {
+                if (n->needed)
+                    return cns_fail(err, CNS_NUMERIC, "division by zero (operation %%%d)", v);
+                J->known[v] = -far; /* an output has no value here; the solution has */
+                continue;
+            }
             if (J->series[v] < 0) {
                 progress = progress || count > J->known[v];
                 J->known[v] = count;
-                J->val[v] = min2(leading_zeros_of_folded(J, v), room);
+                J->val[v] = cns_least(cns_operations[n->op]->zeros(J, v), room);
                 continue;
             }
             while (J->known[v] < count) {
                 int k = J->known[v];
-                cns_code code = cns_op_recurrence[n->op](J, v, k, err);
+                cns_code code = cns_operations[n->op]->recurrence(J, v, k, err);
                 if (code && n->needed)
                     return code;
                 if (code) {
@@ -466,20 +338,20 @@ static cns_code expand_singular(cns_jet *J, int order, cns_error *err)
                 if (J->val[v] == k && J->ops->get_2exp(J->A, &e, J->series[v], k) == 0)
                     J->val[v] = k + 1;
                 progress = true;
-                if (n->op == CNS_OP_SIN)
-                    break; /* its cosine comes first */
+                if (cns_operations[n->op]->has_companion)
+                    break; /* whose turn it is */
             }
         }
         least = far;
         for (int i = 0; i < p->n_states; i++) {
-            int reach = J->state_vanishes[i] ? order : min2(J->known[p->derivative[i]], order);
+            int reach = J->state_vanishes[i] ? order : cns_least(J->known[p->derivative[i]], order);
             for (; J->state_known[i] <= reach; J->state_known[i]++) {
                 progress = true;
                 next_state(J, i, J->state_known[i] - 1);
             }
             if (p->state_node[i] >= 0 && !J->vanishes[p->state_node[i]])
                 J->known[p->state_node[i]] = J->state_known[i];
-            least = min2(least, J->state_known[i]);
+            least = cns_least(least, J->state_known[i]);
         }
         if ((least > order && !J->spec.outputs) || !progress)
             break;
@@ -532,15 +404,21 @@ void cns_jet_set_coefficient(cns_jet *J, int state, int k, const mpfr_t x)
     J->ops->set(J->A, J->state_series[state], k, x, false);
 }
 
+static cns_watched watched_by(const cns_jet *J, int w)
+{
+    const int v = J->p->watch[w];
+    return cns_operation_of(J, v)->watch(J, v);
+}
+
 /* Marks the kinks that the point lies on, and says whether there are any. */
 static bool lies_on_kinks(cns_jet *J)
 {
     bool any = false;
     long e;
     for (int w = 0; w < J->p->n_watch; w++) {
-        const cns_tape_node *n = &J->p->node[J->p->watch[w]];
-        int u = n->op == CNS_OP_ABS ? n->arg[0] : n->op == CNS_OP_SMOOTH_ABS && J->sharp ? n->arg[1] : -1;
-        if (u < 0 || J->p->node[u].constant)
+        const cns_watched watched = watched_by(J, w);
+        const int u = watched.node;
+        if (watched.kind != CNS_WATCH_KINK || J->p->node[u].constant)
             continue;
         J->at_zero[u] = J->ops->get_2exp(J->A, &e, J->series[u], 0) == 0 || e < -(long)J->spec.prec / 2;
         any = any || J->at_zero[u];
@@ -610,44 +488,23 @@ int cns_jet_watched(const cns_jet *J)
     return J->p->n_watch;
 }
 
-static bool is_zero(const cns_jet *J, int series, int k)
-{
-    long e;
-    return J->ops->get_2exp(J->A, &e, series, k) == 0;
-}
-
-/* The node whose series is watched, and whether it vanishes identically. */
-static int watched_node(const cns_jet *J, int w)
-{
-    int v = J->p->watch[w];
-    const cns_tape_node *n = &J->p->node[v];
-    if (n->op == CNS_OP_ABS)
-        return n->arg[0];
-    if (n->op == CNS_OP_SMOOTH_ABS)
-        return n->arg[1];
-    if (n->op == CNS_OP_HYPOT && (J->vanishes[n->arg[0]] || J->vanishes[n->arg[1]]))
-        return J->vanishes[n->arg[0]] ? n->arg[1] : n->arg[0];
-    return v;
-}
-
 void cns_jet_set_zero(cns_jet *J, int w)
 {
-    J->at_zero[watched_node(J, w)] = true;
+    J->at_zero[watched_by(J, w).node] = true;
 }
 
 bool cns_jet_watch(const cns_jet *J, int w, cns_watch *watch)
 {
-    int v = watched_node(J, w), held = J->p->watch[w];
+    const cns_watched watched = watched_by(J, w);
+    const int v = watched.node, held = J->p->watch[w];
     const cns_tape_node *n = &J->p->node[v];
     if (J->vanishes[v])
         return false;
     watch->series = J->series[v];
     watch->state = n->op == CNS_OP_STATE ? n->index : -1;
-    watch->kind = J->p->node[held].op == CNS_OP_SMOOTH_ABS && !J->sharp ? CNS_WATCH_SMOOTH
-                  : v == held                                           ? CNS_WATCH_ROOT
-                                                                        : CNS_WATCH_KINK;
-    watch->eps = watch->kind == CNS_WATCH_SMOOTH ? J->series[J->p->node[held].arg[2]] : -1;
-    watch->order = J->singular         ? min2(J->known[v] - 1, J->order)
+    watch->kind = watched.kind;
+    watch->eps = watch->kind == CNS_WATCH_SMOOTH ? J->series[watched.eps] : -1;
+    watch->order = J->singular         ? cns_least(J->known[v] - 1, J->order)
                    : watch->state >= 0 ? J->order
                                        : J->order - 1;
     watch->zeros = 0;
@@ -655,10 +512,10 @@ bool cns_jet_watch(const cns_jet *J, int w, cns_watch *watch)
         /* The coefficients that did not decide the sign are zero within rounding. */
         if (!J->sign[held])
             return false;
-        while (watch->zeros < watch->order && is_zero(J, J->series[held], watch->zeros))
+        while (watch->zeros < watch->order && cns_is_zero(J, J->series[held], watch->zeros))
             watch->zeros++;
     } else {
-        while (watch->zeros < watch->order && is_zero(J, J->series[v], watch->zeros))
+        while (watch->zeros < watch->order && cns_is_zero(J, J->series[v], watch->zeros))
             watch->zeros++;
     }
     return true;

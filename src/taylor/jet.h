@@ -69,17 +69,19 @@ cns_code cns_jet_compose(cns_jet *J, int k, cns_error *err);
 void cns_jet_composed(cns_jet *J, mpfr_t y, int state, int k); /* coefficient k of f */
 
 /* Watched quantities: those in whose zeros the solution is not analytic. */
+typedef enum cns_watch_kind {
+    CNS_WATCH_KINK,  /* the operand of an abs(): its sign may simply change */
+    CNS_WATCH_ROOT,  /* a square root: singular where it vanishes */
+    CNS_WATCH_SMOOTH /* the operand u of sqrt(u^2 + eps^2), analytic, but with singularities at a distance
+                        of about eps/|u'| from its zeros, which a step must not leap over */
+} cns_watch_kind;
+
 typedef struct cns_watch {
     int series; /* of the arithmetic: the polynomial whose roots end the arc */
     int order;  /* of that polynomial */
     int zeros;  /* so many leading coefficients are zero (within rounding): the arc starts on a zero */
     int state;  /* the state it is, or -1 */
-    enum {
-        CNS_WATCH_KINK,  /* the operand of an abs(): its sign may simply change */
-        CNS_WATCH_ROOT,  /* a square root: singular where it vanishes */
-        CNS_WATCH_SMOOTH /* the operand u of sqrt(u^2 + eps^2), analytic, but with singularities at a distance
-                            of about eps/|u'| from its zeros, which a step must not leap over */
-    } kind;
+    cns_watch_kind kind;
     int eps; /* CNS_WATCH_SMOOTH: the series that holds eps */
 } cns_watch;
 

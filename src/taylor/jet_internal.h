@@ -44,9 +44,28 @@ struct cns_jet {
  * the sums and products it stands for. */
 void cns_accumulate(cns_jet *J, int sign, int v, int n);
 
-/* Computes coefficient n of node v. CNS_NUMERIC when it is singular; the regular case asks for n = 0
- * first. */
-typedef cns_code (*cns_recurrence)(cns_jet *J, int v, int n, cns_error *err);
-extern const cns_recurrence cns_op_recurrence[CNS_OP_COUNT];
+/* What an operation has to watch: the node in whose zeros w is not analytic, and for CNS_WATCH_SMOOTH the
+ * node eps. */
+typedef struct cns_watched {
+    int node;
+    cns_watch_kind kind;
+    int eps;
+} cns_watched;
+
+static inline const cns_operation *cns_operation_of(const cns_jet *J, int v)
+{
+    return cns_operations[J->p->node[v].op];
+}
+
+static inline bool cns_is_zero(const cns_jet *J, int series, int k)
+{
+    long e;
+    return J->ops->get_2exp(J->A, &e, series, k) == 0;
+}
+
+static inline int cns_least(int a, int b)
+{
+    return a < b ? a : b;
+}
 
 #endif

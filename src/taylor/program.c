@@ -6,18 +6,6 @@
 #include "num/logs.h"
 #include "program_internal.h"
 
-const char *const cns_op_name[CNS_OP_COUNT] = {
-#define OP(name, text, operands, recurrence) text,
-#include "taylor/op/operations.def"
-#undef OP
-};
-
-const int cns_op_operands[CNS_OP_COUNT] = {
-#define OP(name, text, operands, recurrence) operands,
-#include "taylor/op/operations.def"
-#undef OP
-};
-
 static void *grow(cns_program *p, void *array, int count, int *capacity, size_t size)
 {
     if (count < *capacity)
@@ -129,10 +117,10 @@ cns_node cns_intern(cns_program *p, cns_op op, int index, int a, int b, int c, i
         return -1;
     }
     for (int i = 0; i < 4; i++) {
-        bool wanted = i < cns_op_operands[op];
+        bool wanted = i < cns_operations[op]->operands;
         if (wanted && (arg[i] < 0 || arg[i] >= p->n_nodes)) {
             cns_fail(&p->error, CNS_NUMERIC, "operand %d of '%s' is not a node of this program", i + 1,
-                     cns_op_name[op]);
+                     cns_operations[op]->name);
             return -1;
         }
         n.arg[i] = wanted ? arg[i] : -1;
@@ -358,11 +346,6 @@ int cns_output(cns_program *p, cns_node f)
     return p->n_outputs++;
 }
 
-static bool has_companion(cns_op op)
-{
-    return op == CNS_OP_SIN || op == CNS_OP_LOG || op == CNS_OP_POW;
-}
-
 /* Marks the nodes that derivatives need, companions included (whose operands are needed already). */
 static void mark_needed(cns_program *p)
 {
@@ -373,7 +356,7 @@ static void mark_needed(cns_program *p)
             if (p->node[v].needed && p->node[v].arg[k] >= 0)
                 p->node[p->node[v].arg[k]].needed = true;
     for (int v = 0; v + 1 < p->n_nodes; v++)
-        if (p->node[v].needed && has_companion(p->node[v].op))
+        if (p->node[v].needed && cns_operations[p->node[v].op]->has_companion)
             p->node[v + 1].needed = true;
 }
 
@@ -425,25 +408,6 @@ static bool mark_dynamic(cns_program *p)
     return true;
 }
 
-/* May operand k of operation op be added to the accumulator instead of being stored? */
-static bool accumulates(cns_op op, int k)
-{
-    switch (op) {
-    case CNS_OP_ADD:
-    case CNS_OP_SUB:
-    case CNS_OP_NEG:
-        return true;
-    case CNS_OP_DIV:
-        return k == 0;
-    case CNS_OP_SCALE:
-        return k == 1;
-    case CNS_OP_HYPOT:
-        return k >= 2;
-    default:
-        return false;
-    }
-}
-
 /* Sums and products with one user, which only accumulates them, are folded into it; and a constant
  * factor of a whole derivative is left to the step from f to the next coefficient of the state. */
 static void fold(cns_program *p)
@@ -462,15 +426,14 @@ static void fold(cns_program *p)
                 if (a < 0)
                     continue;
                 p->node[a].uses++;
-                if (!accumulates(p->node[v].op, k))
+                if (!(cns_operations[p->node[v].op]->adds >> k & 1))
                     stored[a] = true;
             }
     for (int v = 0; v < p->n_nodes; v++) {
         cns_tape_node *n = &p->node[v];
-        bool bilinear = n->op == CNS_OP_ADD || n->op == CNS_OP_SUB || n->op == CNS_OP_NEG ||
-                        n->op == CNS_OP_MUL || n->op == CNS_OP_SQR || n->op == CNS_OP_SIGNED ||
-                        (n->op == CNS_OP_SCALE && !p->node[n->arg[1]].folded);
-        n->folded = bilinear && !n->constant && n->needed && n->uses == 1 && !stored[v];
+        const bool may =
+            cns_operations[n->op]->accumulate && !(n->op == CNS_OP_SCALE && p->node[n->arg[1]].folded);
+        n->folded = may && !n->constant && n->needed && n->uses == 1 && !stored[v];
     }
     for (int i = 0; i < p->n_states; i++) {
         cns_tape_node *n = &p->node[p->derivative[i]];
@@ -490,9 +453,7 @@ static bool find_watched(cns_program *p)
         return false;
     for (int v = 0; v < p->n_nodes; v++) {
         const cns_tape_node *n = &p->node[v];
-        if (n->needed && !n->constant &&
-            (n->op == CNS_OP_ABS || n->op == CNS_OP_SMOOTH_ABS || n->op == CNS_OP_SQRT ||
-             n->op == CNS_OP_HYPOT))
+        if (n->needed && !n->constant && cns_operations[n->op]->watch)
             p->watch[p->n_watch++] = v;
     }
     return true;
@@ -520,7 +481,7 @@ void cns_program_print(const cns_program *p, FILE *out)
 {
     for (int v = 0; v < p->n_nodes; v++) {
         const cns_tape_node *n = &p->node[v];
-        fprintf(out, "%%%d = %s", v, cns_op_name[n->op]);
+        fprintf(out, "%%%d = %s", v, cns_operations[n->op]->name);
         if (n->op == CNS_OP_STATE || n->op == CNS_OP_PARAMETER)
             fprintf(out, " %d", n->index);
         if (n->op == CNS_OP_CONSTANT)

@@ -3,25 +3,9 @@
 #define CNS_TAYLOR_PROGRAM_INTERNAL_H
 
 #include "cns/program.h"
+#include "op/op.h"
 
-typedef enum cns_op {
-#define OP(name, text, operands, recurrence) CNS_OP_##name,
-#include "taylor/op/operations.def"
-#undef OP
-    CNS_OP_COUNT
-} cns_op;
-
-/* Operands: arg[0..], unused ones -1.
- *   HYPOT      a, b, a^2, b^2       (the squares are nodes, shared with whoever else needs them)
- *   SIN        a, euler(a);         the next node is its COS
- *   COS        a, euler(a), the SIN
- *   EXP        a, euler(a)
- *   LOG        a, euler(a);         the next node is the EULER of the result
- *   POW        a, exponent, exponent * euler(a);  the next node is the EULER of the result
- *   SCALE      constant, a
- *   SMOOTH_ABS u^2 + eps^2, u, eps
- *   SIGNED     the ABS node whose held sign is taken, a
- * EULER is t d/dt, which multiplies coefficient k by k. */
+/* Operands: arg[0..], unused ones -1; which they are stands where the operation is defined (op/). */
 typedef struct cns_tape_node {
     cns_op op;
     int arg[4];
@@ -53,9 +37,6 @@ struct cns_program {
     cns_error error; /* the first */
     bool finished;
 };
-
-extern const char *const cns_op_name[CNS_OP_COUNT];
-extern const int cns_op_operands[CNS_OP_COUNT];
 
 /* The node with this operation and these operands (as above), an earlier one if there is one. */
 cns_node cns_intern(cns_program *p, cns_op op, int index, int a, int b, int c, int d);

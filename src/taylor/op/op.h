@@ -1,0 +1,73 @@
+/* The operations of a program. All that the engine knows of an operation is its cns_operation; whoever walks
+ * over the nodes of a program asks it, and nobody else distinguishes one operation from another.
+ *
+ * A new operation is a row in operations.def, its rules in the file of a family (through rules.h), and a
+ * function that builds its node (program.h, program.c). */
+#ifndef CNS_TAYLOR_OP_OP_H
+#define CNS_TAYLOR_OP_OP_H
+
+#include <limits.h>
+#include <stdbool.h>
+
+#include "cns/program.h"
+#include "cns/status.h"
+
+typedef enum cns_op {
+#define OP(enumerator, name) CNS_OP_##enumerator,
+#include "operations.def"
+#undef OP
+    CNS_OP_COUNT
+} cns_op;
+
+struct cns_jet;       /* jet_internal.h */
+struct cns_direction; /* rules.h, as the next two */
+struct cns_enclosure;
+struct cns_watched;
+
+/* The result is w, node v; its operands are nodes, too. */
+typedef struct cns_operation {
+    const char *name;
+    int operands;
+
+    /* Computes coefficient n of w from the operands' coefficients up to n and w's own below n. The regular
+     * case asks for n = 0 first. CNS_NUMERIC: w is singular at the point of expansion. */
+    cns_code (*recurrence)(struct cns_jet *J, int v, int n, cns_error *err);
+
+    /* How many coefficients of w the known coefficients of its operands determine, J->known and J->val being
+     * known of them; CNS_POLE: none, as w has a pole at the point of expansion. */
+    int (*known)(const struct cns_jet *J, int v);
+
+    /* Is w identically zero because operands are (J->vanishes)? */
+    bool (*vanishes)(const struct cns_jet *J, int v);
+
+    /* What to watch where w is not analytic in a zero of something real; NULL: it is, as is a quotient that
+     * grows without bound before its pole, where steps become small by themselves. */
+    struct cns_watched (*watch)(const struct cns_jet *J, int v);
+
+    /* The derivative of w along a direction as a node of another program, -1 standing for zero. */
+    cns_node (*derive)(const struct cns_direction *d);
+
+    /* Encloses w where the operands are in given balls. */
+    void (*enclose)(const struct cns_enclosure *e);
+
+    /* Of a sum or product of few terms, which need not be stored for its own sake ("folded"): adds
+     * sign * (coefficient n of w) to the accumulator, and gives a lower bound of its leading zeros, J->val
+     * being that of its operands. NULL: w is always stored. */
+    void (*accumulate)(struct cns_jet *J, int sign, int v, int n);
+    int (*zeros)(const struct cns_jet *J, int v);
+    /* Bit k: operand k is only ever added to the accumulator, so that it may be folded into w. */
+    unsigned adds;
+
+    /* The node after w is made together with it and belongs to it: its recurrence and w's take turns. */
+    bool has_companion;
+} cns_operation;
+
+enum { CNS_POLE = INT_MIN };
+
+#define OP(enumerator, name) extern const cns_operation cns_op_##name;
+#include "operations.def"
+#undef OP
+
+extern const cns_operation *const cns_operations[CNS_OP_COUNT];
+
+#endif

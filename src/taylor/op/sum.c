@@ -1,0 +1,151 @@
+/* Sums and products. Where such a node has one user that only adds it to its own accumulator, it is folded
+ * into it: nothing is stored. */
+#include "rules.h"
+
+void cns_add_product(cns_jet *J, int sign, int a, int b, int n, int lo, int hi)
+{
+    if (hi >= lo && !J->vanishes[a] && !J->vanishes[b])
+        J->ops->conv(J->A, sign, J->series[a], J->series[b], n, lo, hi);
+}
+
+void cns_accumulate(cns_jet *J, int sign, int v, int n)
+{
+    if (J->vanishes[v] || (J->p->node[v].constant && n > 0))
+        return;
+    if (J->series[v] >= 0)
+        J->ops->coef(J->A, sign, J->series[v], n);
+    else
+        cns_operation_of(J, v)->accumulate(J, sign, v, n);
+}
+
+cns_code cns_sum_recurrence(cns_jet *J, int v, int n, cns_error *err)
+{
+    (void)err;
+    J->ops->zero(J->A);
+    cns_operation_of(J, v)->accumulate(J, 1, v, n);
+    J->ops->store(J->A, J->series[v], n);
+    return CNS_OK;
+}
+
+static int least_zeros(const cns_jet *J, int v)
+{
+    const int *arg = J->p->node[v].arg;
+    return cns_least(J->val[arg[0]], J->val[arg[1]]);
+}
+
+/* add: w = a + b. */
+
+static void add_accumulate(cns_jet *J, int sign, int v, int n)
+{
+    cns_accumulate(J, sign, J->p->node[v].arg[0], n);
+    cns_accumulate(J, sign, J->p->node[v].arg[1], n);
+}
+
+CNS_DERIVE(add, cns_plus(d, d->dx[0], d->dx[1]))
+CNS_ENCLOSE(add, arb_add(e->y, e->x[0], e->x[1], e->prec))
+CNS_FOLDED_OPERATION(add, 2, cns_sum_recurrence, cns_known_as_both, cns_vanishes_with_both, least_zeros, 3);
+
+/* sub: w = a - b. */
+
+static void sub_accumulate(cns_jet *J, int sign, int v, int n)
+{
+    cns_accumulate(J, sign, J->p->node[v].arg[0], n);
+    cns_accumulate(J, -sign, J->p->node[v].arg[1], n);
+}
+
+CNS_DERIVE(sub, cns_plus(d, d->dx[0], cns_minus(d, d->dx[1])))
+CNS_ENCLOSE(sub, arb_sub(e->y, e->x[0], e->x[1], e->prec))
+CNS_FOLDED_OPERATION(sub, 2, cns_sum_recurrence, cns_known_as_both, cns_vanishes_with_both, least_zeros, 3);
+
+/* neg: w = -a. */
+
+static void neg_accumulate(cns_jet *J, int sign, int v, int n)
+{
+    cns_accumulate(J, -sign, J->p->node[v].arg[0], n);
+}
+
+static int neg_zeros(const cns_jet *J, int v)
+{
+    return J->val[J->p->node[v].arg[0]];
+}
+
+CNS_DERIVE(neg, cns_minus(d, d->dx[0]))
+CNS_ENCLOSE(neg, arb_neg(e->y, e->x[0]))
+CNS_FOLDED_OPERATION(neg, 1, cns_sum_recurrence, cns_known_as_first, cns_vanishes_with_first, neg_zeros, 1);
+
+/* mul: w = a b. */
+
+static void mul_accumulate(cns_jet *J, int sign, int v, int n)
+{
+    const int a = J->p->node[v].arg[0], b = J->p->node[v].arg[1];
+    cns_add_product(J, sign, a, b, n, J->val[a], n - J->val[b]);
+}
+
+static int mul_known(const cns_jet *J, int v)
+{
+    const int a = J->p->node[v].arg[0], b = J->p->node[v].arg[1];
+    return cns_least(J->known[a] + J->val[b], J->known[b] + J->val[a]);
+}
+
+static int mul_zeros(const cns_jet *J, int v)
+{
+    return J->val[J->p->node[v].arg[0]] + J->val[J->p->node[v].arg[1]];
+}
+
+CNS_DERIVE(mul, cns_plus(d, cns_times(d, d->x[0], d->dx[1]), cns_times(d, d->x[1], d->dx[0])))
+CNS_ENCLOSE(mul, arb_mul(e->y, e->x[0], e->x[1], e->prec))
+CNS_FOLDED_OPERATION(mul, 2, cns_sum_recurrence, mul_known, cns_vanishes_with_either, mul_zeros, 0);
+
+/* sqr: w = a^2. */
+
+static void sqr_accumulate(cns_jet *J, int sign, int v, int n)
+{
+    const int a = J->p->node[v].arg[0];
+    if (!J->vanishes[a] && n >= 2 * J->val[a])
+        J->ops->square(J->A, sign, J->series[a], n, J->val[a]);
+}
+
+static int sqr_known(const cns_jet *J, int v)
+{
+    const int a = J->p->node[v].arg[0];
+    return J->known[a] + J->val[a];
+}
+
+static int sqr_zeros(const cns_jet *J, int v)
+{
+    return 2 * J->val[J->p->node[v].arg[0]];
+}
+
+CNS_DERIVE(sqr, d->dx[0] < 0 ? -1 : cns_mul(d->q, cns_constant(d->q, "2"), cns_mul(d->q, d->x[0], d->dx[0])))
+CNS_ENCLOSE(sqr, arb_sqr(e->y, e->x[0], e->prec))
+CNS_FOLDED_OPERATION(sqr, 1, cns_sum_recurrence, sqr_known, cns_vanishes_with_first, sqr_zeros, 0);
+
+/* scale: w = c a, c constant. Stored, it is c times the sum that a is, which may be folded into it; folded
+ * itself, the sum it belongs to has other terms, and c multiplies the stored a. */
+
+static cns_code scale_recurrence(cns_jet *J, int v, int n, cns_error *err)
+{
+    (void)err;
+    const int *arg = J->p->node[v].arg;
+    J->ops->zero(J->A);
+    cns_accumulate(J, 1, arg[1], n);
+    J->ops->store_scaled(J->A, J->series[v], n, J->series[arg[0]]);
+    return CNS_OK;
+}
+
+static void scale_accumulate(cns_jet *J, int sign, int v, int n)
+{
+    const int *arg = J->p->node[v].arg;
+    if (!J->vanishes[arg[1]])
+        J->ops->scaled(J->A, sign, J->series[arg[0]], J->series[arg[1]], n);
+}
+
+static int scale_zeros(const cns_jet *J, int v)
+{
+    return J->val[J->p->node[v].arg[1]];
+}
+
+CNS_DERIVE(scale, cns_times(d, d->x[0], d->dx[1]))
+CNS_ENCLOSE(scale, arb_mul(e->y, e->x[0], e->x[1], e->prec))
+CNS_FOLDED_OPERATION(scale, 2, scale_recurrence, cns_known_as_second, cns_vanishes_with_either, scale_zeros,
+                     2);
