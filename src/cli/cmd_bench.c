@@ -3,8 +3,6 @@
 
 #include "bench/bench.h"
 #include "commands.h"
-#include "context.h"
-#include "io/summary.h"
 #include "report.h"
 
 enum { DEFAULT_SECONDS = 20 };
@@ -16,13 +14,18 @@ static const struct {
     double until[CNS_BENCH_SYSTEMS];
 } stretches[] = {{60, {2, 2, 1}}, {120, {1, 1, 0.5}}, {300, {0.3, 0.3, 0.15}}, {1000, {0.2, 0.2, 0.04}}};
 
+static double seconds_of(const cns_options *o)
+{
+    return o->seconds > 0 ? o->seconds : DEFAULT_SECONDS;
+}
+
 enum { ROWS = CNS_BENCH_SYSTEMS * sizeof stretches / sizeof *stretches };
 
 static void on_progress(void *context, double fraction, const char *what)
 {
-    cns_context *s = context;
-    if (s->meter.terminal)
-        s->study.progress(s->study.context, fraction, what);
+    cns_context *cx = context;
+    if (cx->meter.terminal)
+        cx->study.progress(cx->study.context, fraction, what);
 }
 
 static bool left_out(const cns_bench_row *row)
@@ -42,8 +45,10 @@ static double right_digits(const cns_bench_row *row)
     return least;
 }
 
-static void print_table(const cns_bench_row *rows, double seconds, FILE *out)
+/* result: the rows. */
+static void print_table(FILE *out, const cns_context *cx, const void *result)
 {
+    const cns_bench_row *rows = result;
     int skipped = 0;
     fputs("seconds of processor time per unit of integrated time, one thread; medians\n", out);
     fprintf(out, "%-14s %6s", "model", "digits");
@@ -72,12 +77,13 @@ static void print_table(const cns_bench_row *rows, double seconds, FILE *out)
         skipped += left_out(row);
     }
     if (skipped > 0)
-        fprintf(out, "-: left out, %g s are too short for it (--seconds S: more)\n", seconds);
+        fprintf(out, "-: left out, %g s are too short for it (--seconds S: more)\n", seconds_of(cx->o));
 }
 
-static bool print_yaml(const cns_bench_row *rows, FILE *out)
+static void print_yaml(cns_summary *s, const cns_context *cx, const void *result)
 {
-    cns_summary *s = cns_summary_open(out);
+    const cns_bench_row *rows = result;
+    (void)cx;
     cns_summary_open_list(s, "rows");
     for (const cns_bench_row *row = rows; row < rows + ROWS; row++) {
         cns_summary_open_mapping(s, NULL);
@@ -101,44 +107,27 @@ static bool print_yaml(const cns_bench_row *rows, FILE *out)
         cns_summary_shut(s);
     }
     cns_summary_shut(s);
-    return cns_summary_close(s) != 0;
 }
 
-static int run(const cns_options *o)
+static const cns_view view = {.text = print_table, .yaml = print_yaml, .to_file = true};
+
+static int run(cns_context *cx)
 {
     cns_bench_row rows[ROWS] = {{0}};
-    cns_error err;
-    cns_context s;
-    cns_page page;
-    cns_context_begin(o, &s);
+    cns_error err = {0};
+    cns_context_watch(cx);
     for (int i = 0; i < (int)ROWS; i++) { /* few digits first: what there is no time for comes last */
         rows[i].system = (cns_bench_system)(i % CNS_BENCH_SYSTEMS);
         rows[i].digits = stretches[i / CNS_BENCH_SYSTEMS].digits;
         rows[i].until = stretches[i / CNS_BENCH_SYSTEMS].until[rows[i].system];
     }
-    cns_bench_spec spec = {.seconds = o->seconds > 0 ? o->seconds : DEFAULT_SECONDS,
-                           .runs = CNS_BENCH_RUNS,
-                           .stop = s.study.stop,
-                           .progress = on_progress,
-                           .context = &s};
+    const cns_bench_spec spec = {.seconds = seconds_of(cx->o),
+                                 .runs = CNS_BENCH_RUNS,
+                                 .stop = cx->study.stop,
+                                 .progress = on_progress,
+                                 .context = cx};
     cns_code code = cns_bench_fill(&spec, rows, ROWS, &err);
-    int status = cns_context_status(&s, code, &err);
-    cns_context_close(&s);
-    if (status == 0)
-        status = (int)cns_page_open(&page);
-    if (status != 0)
-        return status;
-    bool written = true;
-    if (!o->yaml || o->output)
-        print_table(rows, spec.seconds, page.file);
-    else
-        written = print_yaml(rows, page.file);
-    status = cns_page_write(&page, o->output);
-    if (status == 0 && o->yaml && o->output && (status = (int)cns_page_open(&page)) == 0) {
-        written = print_yaml(rows, page.file);
-        status = cns_page_print(&page);
-    }
-    return status ? status : written ? 0 : cns_complain(CNS_IO, "cannot write the summary");
+    return cns_report(cx, code, &err, &view, code ? NULL : rows);
 }
 
 const cns_command cns_command_bench = {

@@ -5,11 +5,9 @@
 #include <string.h>
 
 #include "commands.h"
-#include "context.h"
 #include "core/clock.h"
 #include "core/memory.h"
 #include "integrate/trajectory.h"
-#include "io/summary.h"
 #include "report.h"
 
 /* What a probe depends on besides the parameter sought: model, the other parameters, abs. */
@@ -34,17 +32,23 @@ static char *identity_of(const cns_case *c)
     return text;
 }
 
-static void print_text(FILE *out, const char *parameter, const cns_bisect_result *r)
+static const char *parameter_name(const cns_case *c)
 {
+    return c->model->parameters[c->bisect.parameter].name;
+}
+
+static void print_text(FILE *out, const cns_context *cx, const void *result)
+{
+    const cns_bisect_result *r = result;
     if (r->critical != NULL)
-        fprintf(out, "%s = %s, %ld decimals\n", parameter, r->critical, r->decimals);
+        fprintf(out, "%s = %s, %ld decimals\n", parameter_name(cx->c), r->critical, r->decimals);
     fprintf(out, "%-8s at %s\n%-8s at %s\n", r->lower_mode, r->lower, r->upper_mode, r->upper);
 }
 
-static bool print_yaml(FILE *out, const char *parameter, const cns_bisect_result *r)
+static void print_yaml(cns_summary *s, const cns_context *cx, const void *result)
 {
-    cns_summary *s = cns_summary_open(out);
-    cns_summary_text(s, "parameter", parameter);
+    const cns_bisect_result *r = result;
+    cns_summary_text(s, "parameter", parameter_name(cx->c));
     if (r->critical != NULL)
         cns_summary_text(s, "critical", r->critical);
     cns_summary_text(s, "lower", r->lower);
@@ -54,73 +58,51 @@ static bool print_yaml(FILE *out, const char *parameter, const cns_bisect_result
     if (r->critical != NULL)
         cns_summary_long(s, "decimals", r->decimals);
     cns_summary_long(s, "probes", r->probes);
-    return cns_summary_close(s) != 0;
 }
 
-static int print(const cns_context *s, const cns_bisect_result *r)
-{
-    const char *parameter = s->c->model->parameters[s->c->bisect.parameter].name;
-    cns_page page;
-    bool written = true;
-    int status = (int)cns_page_open(&page);
-    if (status)
-        return status;
-    if (s->o->yaml)
-        written = print_yaml(page.file, parameter, r);
-    else
-        print_text(page.file, parameter, r);
-    status = cns_page_print(&page);
-    return status || written ? status : cns_complain(CNS_IO, "cannot write the summary");
-}
+static const cns_view view = {.text = print_text, .yaml = print_yaml};
 
 /* With -v, what is done next goes to a line of its own. */
 typedef struct listener {
-    cns_context *s;
+    cns_context *cx;
     char last[160];
 } listener;
 
 static void on_progress(void *context, double fraction, const char *what)
 {
     listener *l = context;
-    cns_meter_show(&l->s->meter, fraction, cns_seconds() - l->s->since, what);
-    if (l->s->o->verbose == 0 || strcmp(l->last, what) == 0)
+    cns_meter_show(&l->cx->meter, fraction, cns_seconds() - l->cx->since, what);
+    if (l->cx->o->verbose == 0 || strcmp(l->last, what) == 0)
         return;
-    cns_meter_clear(&l->s->meter);
+    cns_meter_clear(&l->cx->meter);
     snprintf(l->last, sizeof l->last, "%s", what);
     fprintf(stderr, "cns: %s\n", what);
 }
 
-static int run(const cns_options *o)
+static int run(cns_context *cx)
 {
-    cns_context s;
+    const cns_case *c = cx->c;
     cns_bisect_result r = {.decimals = -1};
     cns_error err = {0};
-    int status = cns_context_open(o, &s);
-    if (status)
-        return status;
-    if (!s.c->has_bisect) {
-        cns_context_close(&s);
-        return cns_complain(CNS_USAGE, "%s: `cns bisect` needs a section `bisect`", o->operands.at[0]);
-    }
-    listener l = {.s = &s};
-    char *identity = identity_of(s.c);
-    const cns_bisect_store store = {.directory = o->output, .identity = identity};
-    s.study.progress = on_progress;
-    s.study.context = &l;
-    cns_code code = s.c->bisect.by_manifold ? cns_bisect_manifold(&s.study, &s.c->bisect, &store, &r, &err)
-                                            : cns_bisect_trajectory(&s.study, &s.c->bisect, &store, &r, &err);
-    cns_meter_clear(&s.meter);
-    const int printed = r.lower != NULL ? print(&s, &r) : 0;
-    status = cns_context_status(&s, code, &err);
+    if (!c->has_bisect)
+        return cns_complain(CNS_USAGE, "%s: `cns bisect` needs a section `bisect`", cx->o->operands.at[0]);
+    listener l = {.cx = cx};
+    char *identity = identity_of(c);
+    const cns_bisect_store store = {.directory = cx->o->output, .identity = identity};
+    cx->study.progress = on_progress;
+    cx->study.context = &l;
+    cns_code code = c->bisect.by_manifold ? cns_bisect_manifold(&cx->study, &c->bisect, &store, &r, &err)
+                                          : cns_bisect_trajectory(&cx->study, &c->bisect, &store, &r, &err);
+    int status = cns_report(cx, code, &err, &view, r.lower != NULL ? &r : NULL);
     cns_bisect_clear(&r);
     free(identity);
-    cns_context_close(&s);
-    return printed ? printed : status;
+    return status;
 }
 
 const cns_command cns_command_bisect = {
     .name = "bisect",
     .run = run,
+    .opens = CNS_OPENS_SYSTEM,
     .operands = "CASE",
     .least = 1,
     .most = 1,

@@ -1,29 +1,24 @@
+/* cns check: the case, with its faults or its defaults. */
 #include "commands.h"
-
-#include "cns/case.h"
 #include "report.h"
 
-static int run(const cns_options *o)
+static void print_text(FILE *out, const cns_context *cx, const void *result)
 {
-    cns_case *c;
-    cns_code code = cns_open_case(o, &c);
-    if (code != CNS_OK)
-        return (int)code;
-    int status = CNS_OK;
-    cns_page page;
-    if (!o->quiet && (status = (int)cns_page_open(&page)) == CNS_OK) {
-        cns_case_print(c, page.file);
-        if (!c->has_goal && !c->has_numerics)
-            fputs("# neither goal nor numerics: `cns run` needs one\n", page.file);
-        status = cns_page_print(&page);
-    }
-    cns_case_free(c);
-    return status;
+    (void)result;
+    cns_case_print(cx->c, out);
+    if (!cx->c->has_goal && !cx->c->has_numerics)
+        fputs("# neither goal nor numerics: `cns run` needs one\n", out);
+}
+
+static int run(cns_context *cx)
+{
+    return cx->o->quiet ? 0 : cns_show(cx, &(cns_view){.text = print_text}, NULL);
 }
 
 const cns_command cns_command_check = {
     .name = "check",
     .run = run,
+    .opens = CNS_OPENS_CASE,
     .operands = "CASE",
     .least = 1,
     .most = 1,

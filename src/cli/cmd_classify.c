@@ -6,11 +6,9 @@
 #include "cns/study/sweep.h"
 #include "cns/version.h"
 #include "commands.h"
-#include "context.h"
 #include "core/memory.h"
 #include "core/text.h"
 #include "io/provenance.h"
-#include "io/summary.h"
 #include "report.h"
 
 enum { MAX_DIGITS = 400 };
@@ -21,9 +19,15 @@ static void text_unless_null(cns_summary *s, const char *key, const char *text)
         cns_summary_text(s, key, text);
 }
 
-static bool print_yaml(FILE *out, const cns_case *c, const cns_motion *m, const char *observable)
+typedef struct found_motion {
+    cns_motion motion;
+    const char *observable; /* whose maxima are listed */
+} found_motion;
+
+static void print_yaml(cns_summary *s, const cns_context *cx, const void *result)
 {
-    cns_summary *s = cns_summary_open(out);
+    const found_motion *found = result;
+    const cns_motion *m = &found->motion;
     cns_summary_text(s, "mode", cns_mode_name(m->mode));
     if (m->period != NULL) {
         cns_summary_text(s, "period", m->period);
@@ -35,7 +39,7 @@ static bool print_yaml(FILE *out, const cns_case *c, const cns_motion *m, const 
         text_unless_null(s, "descent", m->descent);
         cns_summary_open_mapping(s, "drift");
         for (int i = 0; i < m->n_states; i++)
-            text_unless_null(s, c->model->states[i].name, m->drift[i]);
+            text_unless_null(s, cx->c->model->states[i].name, m->drift[i]);
         cns_summary_shut(s);
     }
     if (m->lambda_se >= 0) {
@@ -43,7 +47,7 @@ static bool print_yaml(FILE *out, const cns_case *c, const cns_motion *m, const 
         cns_summary_number(s, "lambda_se", m->lambda_se, 2);
     }
     if (m->extrema > 0) {
-        cns_summary_text(s, "observable", observable);
+        cns_summary_text(s, "observable", found->observable);
         cns_summary_open_list(s, "maxima");
         for (int i = 0; i < m->extrema; i++)
             cns_summary_text(s, NULL, m->maximum[i]);
@@ -55,7 +59,6 @@ static bool print_yaml(FILE *out, const cns_case *c, const cns_motion *m, const 
     cns_summary_long(s, "digits", m->digits);
     if (m->note[0] != '\0')
         cns_summary_text(s, "note", m->note);
-    return cns_summary_close(s) != 0;
 }
 
 static void print_line(FILE *out, const char *key, const char *value, const char *meaning)
@@ -64,8 +67,10 @@ static void print_line(FILE *out, const char *key, const char *value, const char
         fprintf(out, "%-11s %s%s%s\n", key, value, meaning[0] != '\0' ? "   " : "", meaning);
 }
 
-static void print_text(FILE *out, const cns_case *c, const cns_motion *m, const char *observable)
+static void print_text(FILE *out, const cns_context *cx, const void *result)
 {
+    const found_motion *found = result;
+    const cns_motion *m = &found->motion;
     char value[64];
     print_line(out, "mode", cns_mode_name(m->mode), m->note);
     if (m->period != NULL) {
@@ -80,7 +85,7 @@ static void print_text(FILE *out, const cns_case *c, const cns_motion *m, const 
         print_line(out, "amplitude", m->amplitude, "");
         print_line(out, "descent", m->descent, "mean speed");
         for (int i = 0; i < m->n_states; i++) {
-            snprintf(value, sizeof value, "drift %s", c->model->states[i].name);
+            snprintf(value, sizeof value, "drift %s", cx->c->model->states[i].name);
             print_line(out, value, m->drift[i], "in a period");
         }
     }
@@ -93,35 +98,23 @@ static void print_text(FILE *out, const cns_case *c, const cns_motion *m, const 
         print_line(out, "transient", value, "until then");
     }
     if (m->extrema > 0)
-        fprintf(out, "maxima of %s:", observable);
+        fprintf(out, "maxima of %s:", found->observable);
     for (int i = 0; i < m->extrema; i++)
         fprintf(out, " %s", m->maximum[i]);
     if (m->extrema > 0)
         fputc('\n', out);
 }
 
-static int classify(cns_context *s, const cns_classify_spec *spec, const char *observable)
+static int classify(cns_context *cx, const cns_classify_spec *spec, const char *observable)
 {
-    cns_motion motion;
+    static const cns_view view = {.text = print_text, .yaml = print_yaml};
+    found_motion found = {.observable = observable};
     cns_error err = {0};
-    cns_page page;
-    bool written = true;
-    cns_code code = cns_classify(&s->study, spec, &motion, &err);
-    int status = cns_context_status(s, code, &err);
-    if (!status)
-        status = (int)cns_page_open(&page);
-    if (!status) {
-        if (s->o->yaml)
-            written = print_yaml(page.file, s->c, &motion, observable);
-        else
-            print_text(page.file, s->c, &motion, observable);
-        status = cns_page_print(&page);
-    }
-    if (!status && !written)
-        status = cns_complain(CNS_IO, "cannot write the summary");
-    if (!status && motion.mode == CNS_MODE_UNDECIDED)
+    cns_code code = cns_classify(&cx->study, spec, &found.motion, &err);
+    int status = cns_report(cx, code, &err, &view, code ? NULL : &found);
+    if (!status && found.motion.mode == CNS_MODE_UNDECIDED)
         status = CNS_UNREACHED;
-    cns_motion_clear(&motion);
+    cns_motion_clear(&found.motion);
     return status;
 }
 
@@ -144,80 +137,102 @@ static char *identity_of(const cns_case *c, const cns_classify_spec *spec)
     return text;
 }
 
-static int sweep(cns_context *s, const cns_classify_spec *spec, const char *observable)
+typedef struct found_sweep {
+    cns_sweep sweep;
+    char **rows; /* cns_sweep_count of them, as text; NULL: not computed */
+    const char *observable;
+} found_sweep;
+
+static void print_sweep(FILE *out, const cns_context *cx, const void *result)
 {
-    cns_sweep sw;
-    cns_error err = {0};
-    cns_page page;
-    if (cns_sweep_parse(&sw, s->c->model, s->o->sweep, &err))
-        return cns_complain(err.code, "--sweep: %s", err.text);
-    const int n = cns_sweep_count(&sw);
-    char **rows = cns_xalloc((size_t)n, sizeof *rows), *identity = identity_of(s->c, spec);
-    cns_code code = cns_sweep_run(&s->study, &sw, spec, s->o->output, identity, rows, &err);
-    int status = cns_context_status(s, code, &err), printed = (int)cns_page_open(&page), done = 0;
-    if (!printed) {
-        cns_provenance_begin(page.file, s->c, "modes of ", CNS_PROVENANCE_CASE);
-        fprintf(page.file, "# sweep: %s\n# maxima: of %s\n", s->o->sweep, observable);
-        fprintf(page.file, "%s,%s\n", s->c->model->parameters[sw.parameter].name, CNS_SWEEP_HEADER);
-        for (int i = 0; i < n; i++)
-            if (rows[i] != NULL) {
-                fprintf(page.file, "%s\n", rows[i]);
-                done++;
-            }
-        char reason[48];
-        snprintf(reason, sizeof reason, "%d of %d rows", done, n);
-        cns_provenance_end(page.file, done == n ? NULL : reason);
-        printed = cns_page_print(&page);
-    }
+    const found_sweep *found = result;
+    const int n = cns_sweep_count(&found->sweep);
+    int done = 0;
+    char reason[48];
+    cns_provenance_begin(out, cx->c, "modes of ", CNS_PROVENANCE_CASE);
+    fprintf(out, "# sweep: %s\n# maxima: of %s\n", cx->o->sweep, found->observable);
+    fprintf(out, "%s,%s\n", cx->c->model->parameters[found->sweep.parameter].name, CNS_SWEEP_HEADER);
     for (int i = 0; i < n; i++)
-        free(rows[i]);
-    free(rows);
-    free(identity);
-    cns_sweep_clear(&sw);
-    return status ? status : printed;
+        if (found->rows[i] != NULL) {
+            fprintf(out, "%s\n", found->rows[i]);
+            done++;
+        }
+    snprintf(reason, sizeof reason, "%d of %d rows", done, n);
+    cns_provenance_end(out, done == n ? NULL : reason);
 }
 
-static int run(const cns_options *o)
+static int sweep(cns_context *cx, const cns_classify_spec *spec, const char *observable)
 {
-    cns_context s;
-    cns_classify_spec spec = {.observable = -1, .max_digits = MAX_DIGITS};
+    static const cns_view view = {.text = print_sweep};
+    found_sweep found = {.observable = observable};
     cns_error err = {0};
+    if (cns_sweep_parse(&found.sweep, cx->c->model, cx->o->sweep, &err))
+        return cns_complain(err.code, "--sweep: %s", err.text);
+    const int n = cns_sweep_count(&found.sweep);
+    char *identity = identity_of(cx->c, spec);
+    found.rows = cns_xalloc((size_t)n, sizeof *found.rows);
+    cns_code code = cns_sweep_run(&cx->study, &found.sweep, spec, cx->o->output, identity, found.rows, &err);
+    int status = cns_report(cx, code, &err, &view, &found);
+    for (int i = 0; i < n; i++)
+        free(found.rows[i]);
+    free(found.rows);
+    free(identity);
+    cns_sweep_clear(&found.sweep);
+    return status;
+}
+
+/* The state that --observable names; -1: left to the study, or unknown (then the message is out). */
+static int read_observable(const cns_options *o, const cns_model *m, int *state)
+{
+    *state = -1;
+    for (int i = 0; i < m->n_states && o->observable != NULL; i++)
+        if (strcmp(m->states[i].name, o->observable) == 0)
+            *state = i;
+    if (o->observable == NULL || *state >= 0)
+        return 0;
+    return cns_complain(CNS_USAGE, "--observable: model %s has no state '%s'", m->name,
+                        cns_quote(o->observable).text);
+}
+
+/* --until, 0 without it. */
+static int read_until(const cns_options *o, double *until)
+{
+    cns_number x;
+    cns_error err;
+    cns_number_init(&x);
+    bool good = o->until == NULL || (!cns_number_parse(&x, o->until, &err) && cns_number_sign(&x) > 0);
+    *until = cns_number_get_d(&x);
+    cns_number_clear(&x);
+    return good ? 0
+                : cns_complain(CNS_USAGE, "--until takes a time greater than 0, not '%s'",
+                               cns_quote(o->until).text);
+}
+
+static int run(cns_context *cx)
+{
+    const cns_options *o = cx->o;
+    const cns_model *m = cx->c->model;
+    cns_classify_spec spec = {.max_digits = MAX_DIGITS};
     if (o->output != NULL && o->sweep == NULL)
         return cns_complain(CNS_USAGE, "-o is the directory of a sweep's runs: it needs --sweep");
     if (o->sweep != NULL && o->yaml)
         return cns_complain(CNS_USAGE, "--sweep prints a table: it does not go with --yaml");
-    int status = cns_context_open(o, &s);
+    int status = read_observable(o, m, &spec.observable);
+    if (!status)
+        status = read_until(o, &spec.until);
     if (status)
         return status;
-    const cns_model *m = s.c->model;
-    for (int i = 0; i < m->n_states && o->observable != NULL; i++)
-        if (strcmp(m->states[i].name, o->observable) == 0)
-            spec.observable = i;
-    if (o->observable != NULL && spec.observable < 0)
-        status = cns_complain(CNS_USAGE, "--observable: model %s has no state '%s'", m->name,
-                              cns_quote(o->observable).text);
-    if (o->until != NULL) {
-        cns_number until;
-        cns_number_init(&until);
-        if (cns_number_parse(&until, o->until, &err) || cns_number_sign(&until) <= 0)
-            status = cns_complain(CNS_USAGE, "--until takes a time greater than 0, not '%s'",
-                                  cns_quote(o->until).text);
-        spec.until = cns_number_get_d(&until);
-        cns_number_clear(&until);
-    }
     const char *observable = o->observable;
     for (int i = 0; i < m->n_states && o->observable == NULL; i++)
-        if (cns_program_is_dynamic(s.program, i))
+        if (cns_program_is_dynamic(cx->program, i))
             observable = m->states[i].name;
-    if (!status)
-        status = o->sweep != NULL ? sweep(&s, &spec, observable) : classify(&s, &spec, observable);
-    cns_context_close(&s);
-    return status;
+    return o->sweep != NULL ? sweep(cx, &spec, observable) : classify(cx, &spec, observable);
 }
 
 const cns_command cns_command_classify = {
     .name = "classify",
     .run = run,
+    .opens = CNS_OPENS_SYSTEM,
     .operands = "CASE",
     .least = 1,
     .most = 1,

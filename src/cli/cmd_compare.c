@@ -5,13 +5,13 @@
 #include "cns/study/compare.h"
 #include "commands.h"
 #include "core/text.h"
-#include "delta.h"
 #include "io/read_table.h"
-#include "io/summary.h"
 #include "report.h"
 
+#define STANDARD_DELTA "0.01"
+
 typedef struct compare_context {
-    const cns_options *o;
+    bool verbose;
     cns_page page;
     cns_summary *summary; /* --yaml */
     int n;
@@ -34,7 +34,7 @@ static void on_begin(void *context, int n, const char *const *names)
     if (x->summary)
         return;
     fputs("t,decimals", x->page.file);
-    for (int k = 0; k < n && x->o->verbose; k++)
+    for (int k = 0; k < n && x->verbose; k++)
         fprintf(x->page.file, ",%s", names[k]);
     fputc('\n', x->page.file);
 }
@@ -46,7 +46,7 @@ static void on_row(void *context, const char *t, long least, const long *each)
     decimals_text(text, sizeof text, least);
     if (!x->summary) {
         fprintf(x->page.file, "%s,%s", t, text);
-        for (int k = 0; k < x->n && x->o->verbose; k++) {
+        for (int k = 0; k < x->n && x->verbose; k++) {
             decimals_text(text, sizeof text, each[k]);
             fprintf(x->page.file, ",%s", text);
         }
@@ -56,7 +56,7 @@ static void on_row(void *context, const char *t, long least, const long *each)
     cns_summary_open_mapping(x->summary, NULL);
     cns_summary_text(x->summary, "t", t);
     cns_summary_text(x->summary, "decimals", least == CNS_COMPARE_NOTHING ? "null" : text);
-    if (x->o->verbose) {
+    if (x->verbose) {
         cns_summary_open_mapping(x->summary, "columns");
         for (int k = 0; k < x->n; k++) {
             decimals_text(text, sizeof text, each[k]);
@@ -150,21 +150,15 @@ static void print_lines(FILE *out, const cns_compare_result *r, const char *delt
         print_time(out, r->name[k], r->tc[k], r->last[k]);
 }
 
-static void page_drop(cns_page *p)
-{
-    fclose(p->file);
-    free(p->text);
-}
-
 static int compare(const cns_options *o, const cns_number *delta, cns_table_reader *a, cns_table_reader *b)
 {
-    compare_context x = {.o = o};
+    compare_context x = {.verbose = o->verbose > 0};
     cns_compare_result r;
     cns_error err;
     bool written = true;
-    cns_code code = cns_page_open(&x.page);
-    if (code)
-        return (int)code;
+    int status = cns_page_open(&x.page);
+    if (status)
+        return status;
     if (o->yaml) {
         x.summary = cns_summary_open(x.page.file);
         cns_summary_open_list(x.summary, "agreed");
@@ -175,7 +169,7 @@ static int compare(const cns_options *o, const cns_number *delta, cns_table_read
                                    .context = &x,
                                    .begin = on_begin,
                                    .row = on_row};
-    code = cns_compare(&spec, &r, &err);
+    cns_code code = cns_compare(&spec, &r, &err);
     if (x.summary) {
         cns_summary_shut(x.summary);
         if (!code)
@@ -186,26 +180,25 @@ static int compare(const cns_options *o, const cns_number *delta, cns_table_read
     }
     cns_compare_result_clear(&r);
     if (code || !written) {
-        page_drop(&x.page);
+        cns_page_drop(&x.page);
         return code ? cns_complain(code, "%s", err.text) : cns_complain(CNS_IO, "cannot write the summary");
     }
-    return cns_page_print(&x.page);
+    return cns_page_write(&x.page, NULL);
 }
 
-static int run(const cns_options *o)
+static int run(cns_context *cx)
 {
+    const cns_options *o = cx->o;
+    const char *const *names = o->operands.at;
     cns_number delta;
     cns_error err;
-    int status = cns_delta_read(o, &delta);
-    if (status)
-        return status;
-    if (!strcmp(o->operands.at[0], "-") && !strcmp(o->operands.at[1], "-")) {
-        cns_number_clear(&delta);
+    if (!strcmp(names[0], "-") && !strcmp(names[1], "-"))
         return cns_complain(CNS_USAGE, "only one of the two tables can be standard input");
-    }
-    cns_table_reader *a = cns_table_reader_open(o->operands.at[0], &err);
-    cns_table_reader *b = a ? cns_table_reader_open(o->operands.at[1], &err) : NULL;
-    status = b ? compare(o, &delta, a, b) : cns_complain(err.code, "%s", err.text);
+    cns_number_init(&delta);
+    cns_number_parse(&delta, o->delta != NULL ? o->delta : STANDARD_DELTA, &err);
+    cns_table_reader *a = cns_table_reader_open(names[0], &err);
+    cns_table_reader *b = a ? cns_table_reader_open(names[1], &err) : NULL;
+    int status = b ? compare(o, &delta, a, b) : cns_complain(err.code, "%s", err.text);
     cns_table_reader_close(a);
     cns_table_reader_close(b);
     cns_number_clear(&delta);

@@ -4,14 +4,14 @@
 #include <string.h>
 
 #include "commands.h"
-#include "context.h"
-#include "io/summary.h"
 #include "report.h"
 
 enum { STANDARD_DECIMALS = 30 };
 
-static void print_text(FILE *out, const cns_model *m, const cns_equilibria *e)
+static void print_text(FILE *out, const cns_context *cx, const void *result)
 {
+    const cns_model *m = cx->c->model;
+    const cns_equilibria *e = result;
     int width = 2;
     for (int k = 0; k < e->d; k++)
         if ((int)strlen(m->states[e->index[k]].name) > width)
@@ -35,9 +35,10 @@ static void print_text(FILE *out, const cns_model *m, const cns_equilibria *e)
     }
 }
 
-static bool print_yaml(FILE *out, const cns_model *m, const cns_equilibria *e)
+static void print_yaml(cns_summary *s, const cns_context *cx, const void *result)
 {
-    cns_summary *s = cns_summary_open(out);
+    const cns_model *m = cx->c->model;
+    const cns_equilibria *e = result;
     cns_summary_long(s, "decimals", e->decimals);
     cns_summary_open_list(s, "equilibria");
     for (int i = 0; i < e->n; i++) {
@@ -61,44 +62,25 @@ static bool print_yaml(FILE *out, const cns_model *m, const cns_equilibria *e)
         cns_summary_shut(s);
     }
     cns_summary_shut(s);
-    return cns_summary_close(s) != 0;
 }
 
-static int print(const cns_context *s, const cns_equilibria *e)
-{
-    cns_page page;
-    bool written = true;
-    int status = (int)cns_page_open(&page);
-    if (status)
-        return status;
-    if (s->o->yaml)
-        written = print_yaml(page.file, s->c->model, e);
-    else
-        print_text(page.file, s->c->model, e);
-    status = cns_page_print(&page);
-    return status || written ? status : cns_complain(CNS_IO, "cannot write the summary");
-}
+static const cns_view view = {.text = print_text, .yaml = print_yaml};
 
-static int run(const cns_options *o)
+static int run(cns_context *cx)
 {
-    cns_context s;
     cns_equilibria *e;
     cns_error err = {0};
-    int status = cns_context_open(o, &s);
-    if (status)
-        return status;
-    cns_code code = cns_equilibria_find(&s.study, o->digits > 0 ? o->digits : STANDARD_DECIMALS, &e, &err);
-    cns_meter_clear(&s.meter);
-    int printed = e != NULL ? print(&s, e) : 0;
-    status = cns_context_status(&s, code, &err);
+    const long decimals = cx->o->digits > 0 ? cx->o->digits : STANDARD_DECIMALS;
+    cns_code code = cns_equilibria_find(&cx->study, decimals, &e, &err);
+    int status = cns_report(cx, code, &err, &view, e);
     cns_equilibria_free(e);
-    cns_context_close(&s);
-    return printed ? printed : status;
+    return status;
 }
 
 const cns_command cns_command_equilibria = {
     .name = "equilibria",
     .run = run,
+    .opens = CNS_OPENS_SYSTEM,
     .operands = "CASE",
     .least = 1,
     .most = 1,

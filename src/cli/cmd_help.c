@@ -1,8 +1,8 @@
-#include "commands.h"
-
+/* cns help: the overview, a command, or the keys of case files. */
 #include <string.h>
 
 #include "cns/case.h"
+#include "commands.h"
 #include "core/text.h"
 #include "report.h"
 
@@ -14,8 +14,10 @@ static void print_statuses(FILE *out)
           out);
 }
 
-static void print_overview(FILE *out)
+static void print_overview(FILE *out, const cns_context *cx, const void *result)
 {
+    (void)cx;
+    (void)result;
     fputs("cns: trajectories of chaotic systems with every printed decimal right\n\nUsage:\n", out);
     const cns_command *c;
     for (int i = 0; (c = cns_command_at(i)) != NULL; i++) {
@@ -30,8 +32,10 @@ static void print_overview(FILE *out)
     print_statuses(out);
 }
 
-static void print_command(const cns_command *c, FILE *out)
+static void print_command(FILE *out, const cns_context *cx, const void *result)
 {
+    const cns_command *c = result;
+    (void)cx;
     fprintf(out, "Usage: cns %s %s\n\n%s\n", c->name, c->operands, c->summary);
     if (c->details != NULL)
         fprintf(out, "\n%s", c->details);
@@ -40,35 +44,30 @@ static void print_command(const cns_command *c, FILE *out)
     print_statuses(out);
 }
 
-/* `cns help [TOPIC]`, `cns -h`, and `cns COMMAND -h`. */
-static int run(const cns_options *o)
+static void print_keys(FILE *out, const cns_context *cx, const void *result)
 {
-    const cns_command *c = o->help && o->command != NULL ? o->command : NULL;
-    bool about_case = false;
-    if (c == NULL && o->operands.n > 0) {
-        const char *topic = o->operands.at[0];
-        c = cns_command_find(topic);
-        about_case = c == NULL && strcmp(topic, "case") == 0;
-        if (c == NULL && !about_case) {
-            const char *nearest = cns_command_nearest(topic);
-            if (nearest != NULL)
-                return cns_complain(CNS_USAGE, "no help on '%s'; did you mean '%s'?", cns_quote(topic).text,
-                                    nearest);
-            return cns_complain(CNS_USAGE, "no help on '%s'; `cns help` lists the commands",
-                                cns_quote(topic).text);
-        }
+    (void)cx;
+    (void)result;
+    cns_case_print_keys(out);
+}
+
+/* `cns help [TOPIC]`, `cns -h`, and `cns COMMAND -h`. */
+static int run(cns_context *cx)
+{
+    const cns_options *o = cx->o;
+    const char *topic = !o->help && o->operands.n > 0 ? o->operands.at[0] : NULL;
+    const cns_command *c = topic != NULL ? cns_command_find(topic) : o->help ? o->command : NULL;
+    if (topic != NULL && c == NULL && strcmp(topic, "case") == 0)
+        return cns_show(cx, &(cns_view){.text = print_keys}, NULL);
+    if (topic != NULL && c == NULL) {
+        const char *nearest = cns_command_nearest(topic);
+        if (nearest != NULL)
+            return cns_complain(CNS_USAGE, "no help on '%s'; did you mean '%s'?", cns_quote(topic).text,
+                                nearest);
+        return cns_complain(CNS_USAGE, "no help on '%s'; `cns help` lists the commands",
+                            cns_quote(topic).text);
     }
-    cns_page page;
-    cns_code code = cns_page_open(&page);
-    if (code != CNS_OK)
-        return (int)code;
-    if (about_case)
-        cns_case_print_keys(page.file);
-    else if (c != NULL)
-        print_command(c, page.file);
-    else
-        print_overview(page.file);
-    return cns_page_print(&page);
+    return cns_show(cx, &(cns_view){.text = c != NULL ? print_command : print_overview}, c);
 }
 
 const cns_command cns_command_help = {

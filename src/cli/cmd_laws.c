@@ -4,10 +4,8 @@
 
 #include "cns/study/laws.h"
 #include "commands.h"
-#include "context.h"
 #include "core/clock.h"
 #include "integrate/trajectory.h"
-#include "io/summary.h"
 #include "report.h"
 
 static const struct words {
@@ -77,8 +75,10 @@ static void print_law(FILE *out, const cns_case *c, const cns_laws_result *r, cn
             paper[kind].slope, paper[kind].intercept, off <= f->slope_95 ? "within" : "outside");
 }
 
-static void print_report(FILE *out, const cns_case *c, const cns_laws_result *r)
+static void print_text(FILE *out, const cns_context *cx, const void *result)
 {
+    const cns_case *c = cx->c;
+    const cns_laws_result *r = result;
     const double expected = log(10) / r->lambda;
     fprintf(out, "Critical predictable times of %s, observable %s, delta = %s\n", c->name, observable(c),
             c->laws.delta.text);
@@ -143,11 +143,11 @@ static void summarise_law(cns_summary *s, const cns_law *law, const struct words
     cns_summary_shut(s);
 }
 
-static bool print_summary(FILE *out, const cns_case *c, const cns_laws_result *r)
+static void print_yaml(cns_summary *s, const cns_context *cx, const void *result)
 {
-    cns_summary *s = cns_summary_open(out);
-    cns_summary_text(s, "delta", c->laws.delta.text);
-    cns_summary_text(s, "observable", observable(c));
+    const cns_laws_result *r = result;
+    cns_summary_text(s, "delta", cx->c->laws.delta.text);
+    cns_summary_text(s, "observable", observable(cx->c));
     cns_summary_long(s, "reference_digits", r->reference_digits);
     cns_summary_number(s, "reference_end", r->reference_end, 12);
     for (int k = 0; k < CNS_LAW_KINDS; k++)
@@ -157,55 +157,36 @@ static bool print_summary(FILE *out, const cns_case *c, const cns_laws_result *r
         cns_summary_number(s, "kappa", kappa_of(r), 6);
     cns_summary_number(s, "lambda", r->lambda, 6);
     cns_summary_number(s, "lambda_se", r->lambda_se, 3);
-    return cns_summary_close(s) != 0;
 }
 
-static int print(const cns_context *s, const cns_laws_result *r)
-{
-    cns_page page;
-    bool written = true;
-    const cns_code code = cns_page_open(&page);
-    if (code)
-        return (int)code;
-    if (s->o->yaml)
-        written = print_summary(page.file, s->c, r);
-    else
-        print_report(page.file, s->c, r);
-    const int status = cns_page_print(&page);
-    return status ? status : written ? 0 : cns_complain(CNS_IO, "cannot write the summary");
-}
+static const cns_view view = {.text = print_text, .yaml = print_yaml};
 
-static int run(const cns_options *o)
+static int run(cns_context *cx)
 {
-    cns_context s;
+    const cns_case *c = cx->c;
     cns_error err = {0};
     cns_laws_result r;
-    int status = cns_context_open(o, &s);
-    if (status)
-        return status;
-    if (!s.c->has_laws) {
-        fprintf(stderr, "%s:1:1: no 'laws': `cns laws` needs that section\n", s.c->name);
-        cns_context_close(&s);
+    if (!c->has_laws) {
+        fprintf(stderr, "%s:1:1: no 'laws': `cns laws` needs that section\n", c->name);
         return CNS_USAGE;
     }
-    status = cns_context_status(&s, cns_laws(&s.study, &s.c->laws, o->output, &r, &err), &err);
-    if (!status)
-        status = print(&s, &r);
+    cns_code code = cns_laws(&cx->study, &c->laws, cx->o->output, &r, &err);
+    int status = cns_report(cx, code, &err, &view, code ? NULL : &r);
     for (int k = 0; k < CNS_LAW_KINDS && !status; k++)
         if (r.law[k].n > 0 && !r.law[k].fitted)
             status = cns_complain(CNS_UNREACHED,
                                   "no line for %s: fewer than three points, or no exponential growth",
                                   words[k].key);
-    if (o->verbose && !status)
-        fprintf(stderr, "cns: %.2f s\n", cns_seconds() - s.since);
+    if (cx->o->verbose && !status)
+        fprintf(stderr, "cns: %.2f s\n", cns_seconds() - cx->since);
     cns_laws_result_clear(&r);
-    cns_context_close(&s);
     return status;
 }
 
 const cns_command cns_command_laws = {
     .name = "laws",
     .run = run,
+    .opens = CNS_OPENS_SYSTEM,
     .operands = "CASE",
     .least = 1,
     .most = 1,

@@ -1,15 +1,9 @@
 /* cns lyapunov: the largest exponent, with its error. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "cns/study/lyapunov.h"
 #include "commands.h"
-#include "context.h"
 #include "core/clock.h"
-#include "core/files.h"
 #include "integrate/trajectory.h"
 #include "io/provenance.h"
-#include "io/summary.h"
 #include "report.h"
 
 /* A figure and its error to the same decimals, two significant ones of the error. */
@@ -31,11 +25,12 @@ static void print_arithmetic(FILE *out, const cns_lyapunov_spec *spec, int order
     fprintf(out, ", Taylor series of order %d, states and tangent alike", order);
 }
 
-static void print_table(FILE *out, const cns_case *c, const cns_lyapunov_result *r)
+static void print_table(FILE *out, const cns_context *cx, const void *result)
 {
-    const cns_lyapunov_spec *spec = &c->lyapunov;
+    const cns_lyapunov_result *r = result;
+    const cns_lyapunov_spec *spec = &cx->c->lyapunov;
     const int decimals = decimals_for(r->se);
-    cns_provenance_begin(out, c, "largest Lyapunov exponent: ", CNS_PROVENANCE_CASE);
+    cns_provenance_begin(out, cx->c, "largest Lyapunov exponent: ", CNS_PROVENANCE_CASE);
     fprintf(out, "# arithmetic: ");
     print_arithmetic(out, spec, r->order);
     fprintf(
@@ -55,16 +50,16 @@ static void print_table(FILE *out, const cns_case *c, const cns_lyapunov_result 
     cns_provenance_end(out, NULL);
 }
 
-static void print_summary(FILE *out, const cns_case *c, const cns_lyapunov_result *r, bool *written)
+static void print_yaml(cns_summary *s, const cns_context *cx, const void *result)
 {
+    const cns_lyapunov_result *r = result;
     char text[32];
     const int decimals = decimals_for(r->se);
-    cns_summary *s = cns_summary_open(out);
     snprintf(text, sizeof text, "%.*f", decimals, r->lambda);
     cns_summary_text(s, "lambda", text);
     snprintf(text, sizeof text, "%.*f", decimals, r->se);
     cns_summary_text(s, "lambda_se", text);
-    cns_summary_text(s, "time", c->lyapunov.time.text);
+    cns_summary_text(s, "time", cx->c->lyapunov.time.text);
     cns_summary_number(s, "discarded", r->discarded, 9);
     cns_summary_long(s, "order", r->order);
     cns_summary_long(s, "steps", r->steps);
@@ -78,74 +73,35 @@ static void print_summary(FILE *out, const cns_case *c, const cns_lyapunov_resul
         cns_summary_shut(s);
     }
     cns_summary_shut(s);
-    *written = cns_summary_close(s) != 0;
 }
 
-static int print(const cns_context *s, const cns_lyapunov_result *r)
-{
-    const cns_options *o = s->o;
-    cns_page page;
-    cns_error err;
-    bool written = true;
-    if (o->output) {
-        char *text = NULL;
-        size_t size;
-        FILE *out = open_memstream(&text, &size);
-        if (!out)
-            return cns_complain(CNS_IO, "out of memory");
-        print_table(out, s->c, r);
-        bool lost = ferror(out) != 0;
-        lost = fclose(out) != 0 || lost;
-        cns_code code =
-            lost ? cns_fail(&err, CNS_IO, "out of memory") : cns_file_replace(o->output, text, &err);
-        free(text);
-        if (code)
-            return cns_complain(code, "%s", err.text);
-        if (!o->yaml)
-            return 0;
-    }
-    int status = (int)cns_page_open(&page);
-    if (status)
-        return status;
-    if (o->yaml)
-        print_summary(page.file, s->c, r, &written);
-    else
-        print_table(page.file, s->c, r);
-    status = cns_page_print(&page);
-    return status || written ? status : cns_complain(CNS_IO, "cannot write the summary");
-}
+static const cns_view view = {.text = print_table, .yaml = print_yaml, .to_file = true};
 
-static int run(const cns_options *o)
+static int run(cns_context *cx)
 {
-    cns_context s;
     cns_error err = {0};
-    cns_lyapunov_result result;
-    int status = cns_context_open(o, &s);
-    if (status)
-        return status;
-    const cns_lyapunov_spec *spec = &s.c->lyapunov;
-    const cns_lyapunov_problem problem = {.program = s.program,
-                                          .scales = s.scales,
-                                          .initial = s.c->initial,
+    cns_lyapunov_result r;
+    const cns_lyapunov_spec *spec = &cx->c->lyapunov;
+    const cns_lyapunov_problem problem = {.program = cx->program,
+                                          .scales = cx->scales,
+                                          .initial = cx->c->initial,
                                           .time = cns_number_get_d(&spec->time),
                                           .arithmetic = spec->arithmetic,
                                           .digits = spec->digits,
-                                          .stop = s.study.stop,
-                                          .progress = s.study.progress,
-                                          .context = s.study.context};
-    status = cns_context_status(&s, cns_lyapunov(&problem, &result, &err), &err);
-    if (!status)
-        status = print(&s, &result);
-    if (!status && o->verbose)
-        fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", result.steps, result.events,
-                cns_seconds() - s.since);
-    cns_context_close(&s);
+                                          .stop = cx->study.stop,
+                                          .progress = cx->study.progress,
+                                          .context = cx->study.context};
+    cns_code code = cns_lyapunov(&problem, &r, &err);
+    int status = cns_report(cx, code, &err, &view, code ? NULL : &r);
+    if (!status && cx->o->verbose)
+        fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", r.steps, r.events, cns_seconds() - cx->since);
     return status;
 }
 
 const cns_command cns_command_lyapunov = {
     .name = "lyapunov",
     .run = run,
+    .opens = CNS_OPENS_SYSTEM,
     .operands = "CASE",
     .least = 1,
     .most = 1,

@@ -1,6 +1,6 @@
-#include "commands.h"
-
+/* cns models: what can be computed. */
 #include "cns/model.h"
+#include "commands.h"
 #include "core/text.h"
 #include "report.h"
 
@@ -35,8 +35,23 @@ static const char *model_name(int i, const void *context)
     return cns_model_at(i)->name;
 }
 
-static int run(const cns_options *o)
+/* result: the model asked for; NULL: all of them. */
+static void print_text(FILE *out, const cns_context *cx, const void *result)
 {
+    const cns_model *only = result;
+    (void)cx;
+    for (int i = 0; i < cns_model_count() && only == NULL; i++) {
+        if (i > 0)
+            fputc('\n', out);
+        print_model(cns_model_at(i), out);
+    }
+    if (only != NULL)
+        print_model(only, out);
+}
+
+static int run(cns_context *cx)
+{
+    const cns_options *o = cx->o;
     const cns_model *only = NULL;
     if (o->operands.n > 0) {
         const char *name = o->operands.at[0];
@@ -50,19 +65,7 @@ static int run(const cns_options *o)
                                 cns_quote(name).text);
         }
     }
-    cns_page page;
-    cns_code code = cns_page_open(&page);
-    if (code != CNS_OK)
-        return (int)code;
-    for (int i = 0; i < cns_model_count(); i++) {
-        const cns_model *m = cns_model_at(i);
-        if (only != NULL && m != only)
-            continue;
-        if (only == NULL && i > 0)
-            fputc('\n', page.file);
-        print_model(m, page.file);
-    }
-    return cns_page_print(&page);
+    return cns_show(cx, &(cns_view){.text = print_text}, only);
 }
 
 const cns_command cns_command_models = {

@@ -3,9 +3,7 @@
 
 #include "cns/solve.h"
 #include "commands.h"
-#include "context.h"
 #include "core/text.h"
-#include "io/summary.h"
 #include "report.h"
 
 enum { STANDARD_DECIMALS = 10, STANDARD_MAX_DIGITS = 5000, MOST_ROWS = 10000000 };
@@ -33,8 +31,17 @@ static cns_goal goal_of(const cns_case *c, const cns_options *o)
     return goal;
 }
 
-static void print_text(FILE *out, const cns_problem *p, const cns_goal *goal, const cns_run_info *plan)
+typedef struct made_plan {
+    cns_goal goal;
+    cns_run_info plan;
+} made_plan;
+
+static void print_text(FILE *out, const cns_context *cx, const void *result)
 {
+    const made_plan *made = result;
+    const cns_goal *goal = &made->goal;
+    const cns_run_info *plan = &made->plan;
+    const cns_problem *p = &cx->problem;
     fprintf(out, "to t = %s with %ld %s:\n", p->end->text, goal->count,
             goal->places == CNS_PLACES_DECIMALS ? "decimals" : "significant digits");
     fprintf(out, "digits   %ld, proof with %ld\n", plan->digits, plan->proof_digits);
@@ -46,9 +53,10 @@ static void print_text(FILE *out, const cns_problem *p, const cns_goal *goal, co
             p->threads > 1 ? "two threads" : "one thread");
 }
 
-static bool print_yaml(FILE *out, const cns_problem *p, const cns_run_info *plan)
+static void print_yaml(cns_summary *s, const cns_context *cx, const void *result)
 {
-    cns_summary *s = cns_summary_open(out);
+    const cns_run_info *plan = &((const made_plan *)result)->plan;
+    const cns_problem *p = &cx->problem;
     cns_summary_text(s, "until", p->end->text);
     cns_summary_long(s, "digits", plan->digits);
     cns_summary_long(s, "order", plan->order);
@@ -59,70 +67,51 @@ static bool print_yaml(FILE *out, const cns_problem *p, const cns_run_info *plan
     cns_summary_number(s, "growth", plan->growth, 4);
     cns_summary_number(s, "margin", plan->margin, 3);
     cns_summary_long(s, "threads", p->threads > 1 ? 2 : 1);
-    return cns_summary_close(s) != 0;
 }
 
-static int print(const cns_context *s, const cns_goal *goal, const cns_run_info *plan)
-{
-    cns_page page;
-    int status = (int)cns_page_open(&page);
-    bool written = true;
-    if (status)
-        return status;
-    if (s->o->yaml)
-        written = print_yaml(page.file, &s->problem, plan);
-    else
-        print_text(page.file, &s->problem, goal, plan);
-    status = cns_page_print(&page);
-    return status || written ? status : cns_complain(CNS_IO, "cannot write the summary");
-}
+static const cns_view view = {.text = print_text, .yaml = print_yaml};
 
-static int plan_to(cns_context *s)
+static int plan_to(cns_context *cx)
 {
-    const cns_goal goal = goal_of(s->c, s->o);
-    const double end = cns_number_get_d(s->problem.end);
+    made_plan made = {.goal = goal_of(cx->c, cx->o)};
+    const double end = cns_number_get_d(cx->problem.end);
     long digits[CNS_PLAN_PARTS];
     cns_schedule schedule = {.digits = digits};
-    cns_run_info plan;
     cns_error err = {0};
-    if (end / cns_number_get_d(s->problem.every) > MOST_ROWS)
+    if (end / cns_number_get_d(cx->problem.every) > MOST_ROWS)
         return cns_complain(CNS_USAGE, "more than %d rows up to t = %g", MOST_ROWS, end);
-    int status = cns_context_status(s, cns_plan(&s->problem, &goal, &plan, &schedule, &err), &err);
-    if (status)
-        return status;
-    if (plan.followed < end)
+    cns_code code = cns_plan(&cx->problem, &made.goal, &made.plan, &schedule, &err);
+    cns_meter_clear(&cx->meter);
+    if (!code && made.plan.followed < end)
         return cns_complain(CNS_NUMERIC, "no plan beyond t = %.12g: the preliminary run ends there: %s",
-                            plan.followed, err.text);
-    if (plan.digits > goal.max_digits)
-        fprintf(stderr, "cns: more digits than max_digits (%ld) allows\n", goal.max_digits);
-    return print(s, &goal, &plan);
+                            made.plan.followed, err.text);
+    if (!code && made.plan.digits > made.goal.max_digits)
+        fprintf(stderr, "cns: more digits than max_digits (%ld) allows\n", made.goal.max_digits);
+    return cns_report(cx, code, &err, &view, code ? NULL : &made);
 }
 
-static int run(const cns_options *o)
+static int run(cns_context *cx)
 {
-    cns_context s;
     cns_number until;
-    int status = cns_context_open(o, &s);
-    if (status)
-        return status;
+    int status = 0;
     cns_number_init(&until);
-    if (o->until) {
-        status = parse_until(o->until, &until);
+    if (cx->o->until) {
+        status = parse_until(cx->o->until, &until);
         /* Without `every` the only row is the end. */
-        if (cns_number_cmp(s.problem.every, s.problem.end) == 0)
-            s.problem.every = &until;
-        s.problem.end = &until;
+        if (cns_number_cmp(cx->problem.every, cx->problem.end) == 0)
+            cx->problem.every = &until;
+        cx->problem.end = &until;
     }
     if (!status)
-        status = plan_to(&s);
+        status = plan_to(cx);
     cns_number_clear(&until);
-    cns_context_close(&s);
     return status;
 }
 
 const cns_command cns_command_plan = {
     .name = "plan",
     .run = run,
+    .opens = CNS_OPENS_SYSTEM,
     .operands = "CASE",
     .least = 1,
     .most = 1,

@@ -3,21 +3,19 @@
 
 #include "cns/solve.h"
 #include "commands.h"
-#include "context.h"
 #include "event_table.h"
-#include "io/summary.h"
 #include "io/write_table.h"
 #include "report.h"
 
 typedef struct run_context {
-    cns_context cx;
+    cns_context *cx;
     cns_table *table; /* NULL: --yaml without -o */
 } run_context;
 
 static void announce(run_context *r, const cns_run_info *run)
 {
-    const cns_options *o = r->cx.o;
-    cns_meter_clear(&r->cx.meter);
+    const cns_options *o = r->cx->o;
+    cns_meter_clear(&r->cx->meter);
     if (o->quiet)
         return;
     if (run->planned)
@@ -51,19 +49,15 @@ static void on_progress(void *context, const cns_progress *p)
     run_context *r = context;
     char what[128];
     snprintf(what, sizeof what, "t = %g of %g, %ld digits", p->t, p->end, p->run->digits);
-    cns_meter_show(&r->cx.meter, p->fraction, p->seconds, what);
+    cns_meter_show(&r->cx->meter, p->fraction, p->seconds, what);
 }
 
-static int print_summary(const cns_result *result, const cns_case *c)
+static void print_yaml(cns_summary *s, const cns_context *cx, const void *found)
 {
-    cns_page page;
+    const cns_result *result = found;
     char end[64];
-    cns_code code = cns_page_open(&page);
-    if (code)
-        return (int)code;
-    cns_summary *s = cns_summary_open(page.file);
     snprintf(end, sizeof end, "%.17g", result->end);
-    cns_summary_text(s, "end", result->complete ? c->end.text : end);
+    cns_summary_text(s, "end", result->complete ? cx->c->end.text : end);
     if (result->decimals >= 0)
         cns_summary_long(s, "decimals", result->decimals);
     cns_summary_long(s, "digits", result->run.digits);
@@ -72,23 +66,21 @@ static int print_summary(const cns_result *result, const cns_case *c)
     cns_summary_long(s, "events", result->events);
     cns_summary_text(s, "kernel", result->run.kernel);
     cns_summary_seconds(s, "wall_s", result->wall_s);
-    bool written = cns_summary_close(s) != 0;
-    int status = cns_page_print(&page);
-    return status ? status : written ? 0 : cns_complain(CNS_IO, "cannot write the summary");
 }
 
-static int run(const cns_options *o)
+/* Of the YAML alone: the table is written row by row. */
+static const cns_view summary = {.yaml = print_yaml};
+
+static int run(cns_context *cx)
 {
-    run_context r = {0};
+    const cns_options *o = cx->o;
+    const cns_case *c = cx->c;
+    run_context r = {.cx = cx};
     cns_error err = {0}, io = {0};
     cns_result result = {.decimals = -1};
-    int status = cns_context_open(o, &r.cx);
-    if (status)
-        return status;
-    const cns_case *c = r.cx.c;
+    int status = 0;
     if (!c->has_goal && !c->has_numerics) {
         fprintf(stderr, "%s:1:1: neither 'goal' nor 'numerics': `cns run` needs one of them\n", c->name);
-        cns_context_close(&r.cx);
         return CNS_USAGE;
     }
     cns_wanted wanted = {0};
@@ -96,27 +88,24 @@ static int run(const cns_options *o)
         status = cns_complain(CNS_USAGE, "--section names an event for --events FILE, which is missing");
     else if (o->events != NULL)
         status = cns_wanted_open(&wanted, o, c->model);
-    if (status) {
-        cns_context_close(&r.cx);
+    if (status)
         return status;
-    }
     if (!o->yaml || o->output) {
         r.table = cns_table_open(o->output, c, &err);
         if (!r.table) {
             cns_wanted_close(&wanted);
-            cns_context_close(&r.cx);
             return cns_complain(err.code, "%s", err.text);
         }
     }
     cns_sink sink = {.context = &r, .begin = on_begin, .row = on_row, .progress = on_progress};
-    r.cx.problem.sink = &sink;
-    cns_code code = c->has_goal ? cns_solve_goal(&r.cx.problem, &c->goal, &result, &err)
-                                : cns_solve_numerics(&r.cx.problem, &c->numerics, o->prove, &result, &err);
+    cx->problem.sink = &sink;
+    cns_code code = c->has_goal ? cns_solve_goal(&cx->problem, &c->goal, &result, &err)
+                                : cns_solve_numerics(&cx->problem, &c->numerics, o->prove, &result, &err);
 
     bool gone = r.table && cns_table_reader_gone(r.table);
     if (gone)
-        cns_meter_clear(&r.cx.meter);
-    status = gone ? CNS_STOPPED + SIGPIPE : cns_context_status(&r.cx, code, &err);
+        cns_meter_clear(&cx->meter);
+    status = gone ? CNS_STOPPED + SIGPIPE : cns_context_status(cx, code, &err);
     if (r.table && (gone || code == CNS_IO)) {
         cns_table_abandon(r.table);
     } else if (r.table) {
@@ -127,23 +116,23 @@ static int run(const cns_options *o)
             status = cns_complain(code, "%s", io.text);
     }
     if (o->events != NULL && (status == CNS_OK || status == CNS_UNREACHED)) {
-        int written = cns_wanted_write(&wanted, &r.cx, &result);
+        int written = cns_wanted_write(&wanted, cx, &result);
         status = written ? written : status;
     }
     cns_wanted_close(&wanted);
     if (o->yaml && (status == CNS_OK || status == CNS_UNREACHED)) {
-        int printed = print_summary(&result, c);
+        int printed = cns_show(cx, &summary, &result);
         status = printed ? printed : status;
     }
     if (o->verbose && !status)
         fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", result.steps, result.events, result.wall_s);
-    cns_context_close(&r.cx);
     return status;
 }
 
 const cns_command cns_command_run = {
     .name = "run",
     .run = run,
+    .opens = CNS_OPENS_SYSTEM,
     .operands = "CASE",
     .least = 1,
     .most = 1,

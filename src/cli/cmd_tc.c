@@ -1,40 +1,31 @@
 /* cns tc: the critical predictable time of a run by numerics. */
-#include <string.h>
-
 #include "cns/study/tc.h"
 #include "commands.h"
-#include "context.h"
 #include "core/clock.h"
-#include "delta.h"
 #include "integrate/trajectory.h"
-#include "io/summary.h"
 #include "report.h"
 
-typedef struct tc_context {
-    cns_context cx;
+typedef struct tc_found {
     const cns_number *delta;
-    bool outputs;
-    cns_tc_result result;
-} tc_context;
+    cns_tc_result times;
+} tc_found;
 
 static void on_progress(void *context, double fraction)
 {
-    const tc_context *tc = context;
-    cns_study_progress(&tc->cx.study, fraction, "the run under test and its reference");
+    const cns_context *cx = context;
+    cns_study_progress(&cx->study, fraction, "the run under test and its reference");
 }
 
-static const char *observable_name(const tc_context *tc, int i)
+static const char *observable_name(const cns_model *m, int i)
 {
-    const cns_model *m = tc->cx.c->model;
     if (i == CNS_TC_NORM)
         return "norm";
     return i <= m->n_states ? m->states[i - 1].name : m->outputs[i - 1 - m->n_states].name;
 }
 
 /* Derived quantities are followed if the case asks for any, and named if it asks for them. */
-static bool is_shown(const tc_context *tc, int i)
+static bool is_shown(const cns_case *c, int i)
 {
-    const cns_case *c = tc->cx.c;
     bool shown = i <= c->model->n_states;
     for (int k = 0; k < c->n_columns && !shown; k++)
         shown = c->columns[k].kind == CNS_COLUMN_OUTPUT && c->columns[k].index == i - 1 - c->model->n_states;
@@ -47,30 +38,29 @@ static void time_text(char *text, size_t size, double t)
 }
 
 /* The bound of an observable without a T_c: the end as the case gives it, or the last row compared. */
-static void bound_text(const tc_context *tc, char *text, size_t size, double t)
+static void bound_text(const cns_number *end, char *text, size_t size, double t)
 {
-    const cns_number *end = &tc->cx.c->end;
     if (t >= cns_number_get_d(end))
         snprintf(text, size, "%.64s", end->text);
     else
         snprintf(text, size, "%.12g", t);
 }
 
-static void print_times(const tc_context *tc, cns_summary *s)
+static void print_times(cns_summary *s, const cns_case *c, const cns_tc_result *r)
 {
     char text[80];
     cns_summary_open_mapping(s, "times");
-    for (int i = 0; i < tc->result.n; i++) {
-        const cns_tc_time *t = &tc->result.time[i];
-        if (!is_shown(tc, i))
+    for (int i = 0; i < r->n; i++) {
+        const cns_tc_time *t = &r->time[i];
+        if (!is_shown(c, i))
             continue;
         if (t->kind == CNS_TC_FOUND) {
             time_text(text, sizeof text, t->t);
-            cns_summary_text(s, observable_name(tc, i), text);
+            cns_summary_text(s, observable_name(c->model, i), text);
             continue;
         }
-        cns_summary_open_mapping(s, observable_name(tc, i));
-        bound_text(tc, text, sizeof text, t->t);
+        cns_summary_open_mapping(s, observable_name(c->model, i));
+        bound_text(&c->end, text, sizeof text, t->t);
         cns_summary_text(s, "beyond", text);
         if (t->kind == CNS_TC_STILL)
             cns_summary_text(s, "none", "the difference does not grow");
@@ -81,107 +71,87 @@ static void print_times(const tc_context *tc, cns_summary *s)
     cns_summary_shut(s);
 }
 
-static void print_table(const tc_context *tc, FILE *out)
+static void print_text(FILE *out, const cns_context *cx, const void *result)
 {
-    const cns_case *c = tc->cx.c;
+    const cns_case *c = cx->c;
+    const tc_found *found = result;
+    const cns_tc_result *r = &found->times;
     char digits[32] = "double precision";
     if (c->numerics.arithmetic != CNS_ARITH_DOUBLE)
         snprintf(digits, sizeof digits, "%ld digits", c->numerics.digits);
-    fprintf(out, "T_c of %s, %s, delta = %s, against %ld digits\n", c->name, digits, tc->delta->text,
-            tc->result.reference_digits);
-    for (int i = 0; i < tc->result.n; i++) {
-        const cns_tc_time *t = &tc->result.time[i];
+    fprintf(out, "T_c of %s, %s, delta = %s, against %ld digits\n", c->name, digits, found->delta->text,
+            r->reference_digits);
+    for (int i = 0; i < r->n; i++) {
+        const cns_tc_time *t = &r->time[i];
         char text[80];
-        if (!is_shown(tc, i))
+        if (!is_shown(c, i))
             continue;
         if (t->kind == CNS_TC_FOUND) {
             time_text(text, sizeof text, t->t);
-            fprintf(out, "  %-10s %s  (first row: %.12g)\n", observable_name(tc, i), text, t->row);
+            fprintf(out, "  %-10s %s  (first row: %.12g)\n", observable_name(c->model, i), text, t->row);
             continue;
         }
-        bound_text(tc, text, sizeof text, t->t);
-        fprintf(out, "  %-10s > %s%s\n", observable_name(tc, i), text,
+        bound_text(&c->end, text, sizeof text, t->t);
+        fprintf(out, "  %-10s > %s%s\n", observable_name(c->model, i), text,
                 t->kind == CNS_TC_STILL       ? "  (none: the difference does not grow)"
                 : t->kind == CNS_TC_IDENTICAL ? "  (none: the two runs are identical)"
                                               : "");
     }
 }
 
-static int print(const tc_context *tc)
+static void print_yaml(cns_summary *s, const cns_context *cx, const void *result)
 {
-    cns_page page;
-    bool written = true;
-    cns_code code = cns_page_open(&page);
-    if (code)
-        return (int)code;
-    if (tc->cx.o->yaml) {
-        const cns_numerics *n = &tc->cx.c->numerics;
-        cns_summary *s = cns_summary_open(page.file);
-        cns_summary_text(s, "delta", tc->delta->text);
-        if (n->arithmetic == CNS_ARITH_DOUBLE)
-            cns_summary_text(s, "digits", "double");
-        else
-            cns_summary_long(s, "digits", n->digits);
-        cns_summary_long(s, "reference_digits", tc->result.reference_digits);
-        print_times(tc, s);
-        written = cns_summary_close(s) != 0;
-    } else {
-        print_table(tc, page.file);
-    }
-    int status = cns_page_print(&page);
-    return status ? status : written ? 0 : cns_complain(CNS_IO, "cannot write the summary");
+    const cns_numerics *n = &cx->c->numerics;
+    const tc_found *found = result;
+    cns_summary_text(s, "delta", found->delta->text);
+    if (n->arithmetic == CNS_ARITH_DOUBLE)
+        cns_summary_text(s, "digits", "double");
+    else
+        cns_summary_long(s, "digits", n->digits);
+    cns_summary_long(s, "reference_digits", found->times.reference_digits);
+    print_times(s, cx->c, &found->times);
 }
 
-static int refuse(const cns_case *c)
-{
-    fprintf(stderr, "%s:1:1: %s: `cns tc` needs 'numerics', such as {digits: 16}\n", c->name,
-            c->has_goal ? "a 'goal' finds its own digits and is proven" : "no 'numerics'");
-    return CNS_USAGE;
-}
+static const cns_view view = {.text = print_text, .yaml = print_yaml};
 
-static int run(const cns_options *o)
+static int measure(cns_context *cx, const cns_number *delta)
 {
-    tc_context tc = {0};
+    const cns_case *c = cx->c;
+    tc_found found = {.delta = delta};
     cns_error err = {0};
-    cns_number delta;
-    int status = cns_delta_read(o, &delta);
-    if (status)
-        return status;
-    status = cns_context_open(o, &tc.cx);
-    if (status) {
-        cns_number_clear(&delta);
-        return status;
-    }
-    const cns_case *c = tc.cx.c;
-    if (!c->has_numerics) {
-        status = refuse(c);
-        cns_context_close(&tc.cx);
-        cns_number_clear(&delta);
-        return status;
-    }
-    tc.delta = &delta;
+    cns_tc_request request = {.numerics = &c->numerics,
+                              .program = cx->program,
+                              .truth = cx->program,
+                              .delta = delta,
+                              .until = CNS_TC_EVERY_ONE,
+                              .reference_digits = cx->o->reference_digits,
+                              .progress = on_progress,
+                              .context = cx};
     for (int i = 0; i < c->n_columns; i++)
-        tc.outputs = tc.outputs || c->columns[i].kind == CNS_COLUMN_OUTPUT;
-    const cns_tc_request request = {.numerics = &c->numerics,
-                                    .program = tc.cx.program,
-                                    .truth = tc.cx.program,
-                                    .delta = &delta,
-                                    .until = CNS_TC_EVERY_ONE,
-                                    .outputs = tc.outputs,
-                                    .reference_digits = o->reference_digits,
-                                    .progress = on_progress,
-                                    .context = &tc};
-    cns_code code = cns_tc_measure(&tc.cx.study, &request, &tc.result, &err);
-    status = cns_context_status(&tc.cx, code, &err);
-    if (!code || code == CNS_UNREACHED) {
-        int printed = print(&tc);
-        status = printed ? printed : status;
+        request.outputs = request.outputs || c->columns[i].kind == CNS_COLUMN_OUTPUT;
+    const cns_tc_result *r = &found.times;
+    cns_code code = cns_tc_measure(&cx->study, &request, &found.times, &err);
+    int status = cns_report(cx, code, &err, &view, !code || code == CNS_UNREACHED ? &found : NULL);
+    if (cx->o->verbose && !status)
+        fprintf(stderr, "cns: %ld steps, reference %ld steps, up to t = %.12g, %.2f s\n", r->steps,
+                r->reference_steps, r->compared, cns_seconds() - cx->since);
+    cns_tc_result_clear(&found.times);
+    return status;
+}
+
+static int run(cns_context *cx)
+{
+    const cns_case *c = cx->c;
+    cns_number delta;
+    cns_error err;
+    if (!c->has_numerics) {
+        fprintf(stderr, "%s:1:1: %s: `cns tc` needs 'numerics', such as {digits: 16}\n", c->name,
+                c->has_goal ? "a 'goal' finds its own digits and is proven" : "no 'numerics'");
+        return CNS_USAGE;
     }
-    if (o->verbose && !status)
-        fprintf(stderr, "cns: %ld steps, reference %ld steps, up to t = %.12g, %.2f s\n", tc.result.steps,
-                tc.result.reference_steps, tc.result.compared, cns_seconds() - tc.cx.since);
-    cns_tc_result_clear(&tc.result);
-    cns_context_close(&tc.cx);
+    cns_number_init(&delta);
+    cns_number_parse(&delta, cx->o->delta != NULL ? cx->o->delta : "0.01", &err);
+    int status = measure(cx, &delta);
     cns_number_clear(&delta);
     return status;
 }
@@ -189,6 +159,7 @@ static int run(const cns_options *o)
 const cns_command cns_command_tc = {
     .name = "tc",
     .run = run,
+    .opens = CNS_OPENS_SYSTEM,
     .operands = "CASE",
     .least = 1,
     .most = 1,

@@ -2,13 +2,15 @@
 #ifndef CNS_CLI_COMMANDS_H
 #define CNS_CLI_COMMANDS_H
 
+#include "context.h"
 #include "options.h"
 
 typedef struct cns_command {
     const char *name;
-    int (*run)(const cns_options *o); /* an exit status */
-    const char *operands;             /* as shown in the usage */
-    int least, most;                  /* how many operands */
+    int (*run)(cns_context *cx); /* an exit status */
+    cns_opens opens;             /* of the context */
+    const char *operands;        /* as shown in the usage */
+    int least, most;             /* how many operands */
     const char *summary;
     const char *details; /* paragraphs for `cns help NAME`; NULL: the summary says it all */
     const cns_option

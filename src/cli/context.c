@@ -28,74 +28,85 @@ static void catch_signals(void)
 
 static void on_progress(void *context, double fraction, const char *what)
 {
-    cns_context *s = context;
-    cns_meter_show(&s->meter, fraction, cns_seconds() - s->since, what);
+    cns_context *cx = context;
+    cns_meter_show(&cx->meter, fraction, cns_seconds() - cx->since, what);
 }
 
-void cns_context_begin(const cns_options *o, cns_context *s)
+void cns_context_watch(cns_context *cx)
 {
-    *s = (cns_context){.o = o, .since = cns_seconds()};
-    s->study = (cns_study){.threads = 1, .stop = &stop_signal, .progress = on_progress, .context = s};
+    cx->study.stop = cx->problem.stop = &stop_signal;
+    cx->study.progress = on_progress;
+    cx->study.context = cx;
     catch_signals();
-    cns_meter_init(&s->meter, o->quiet);
+    cns_meter_init(&cx->meter, cx->o->quiet);
 }
 
-int cns_context_open(const cns_options *o, cns_context *s)
+static int open_case(cns_context *cx)
 {
+    const cns_options *o = cx->o;
+    char *faults = NULL;
+    cns_code code = cns_case_load(o->operands.at[0], o->sets.at, o->sets.n, &cx->c, &faults);
+    if (faults != NULL && code == CNS_USAGE)
+        fprintf(stderr, "%s\n", faults); /* the lines begin with the place, as compilers have it */
+    else if (faults != NULL)
+        cns_complain(code, "%s", faults);
+    free(faults);
+    return (int)code;
+}
+
+static int open_system(cns_context *cx)
+{
+    const cns_case *c = cx->c;
+    const cns_options *o = cx->o;
     cns_error err = {0};
-    const char *kernel; /* a wrong CNS_KERNEL is a usage error before anything is opened */
-    *s = (cns_context){.o = o, .since = cns_seconds()};
-    int status = (int)cns_open_case(o, &s->c);
-    if (status != 0)
-        return status;
-    const cns_case *c = s->c;
+    const char *kernel; /* a wrong CNS_KERNEL is a usage error before anything is computed */
     const int n = c->model->n_states;
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    s->scales = cns_xalloc((size_t)n, sizeof *s->scales);
+    cx->scales = cns_xalloc((size_t)n, sizeof *cx->scales);
     for (int i = 0; i < n; i++)
-        s->scales[i] = c->model->states[i].scale;
-    s->study = (cns_study){.model = c->model,
-                           .parameters = c->parameters,
-                           .initial = c->initial,
-                           .smooth = c->smooth ? &c->eps : NULL,
-                           .end = &c->end,
-                           .every = &c->every,
-                           .scales = s->scales,
-                           .threads = o->threads > 0   ? (int)o->threads
-                                      : processors > 0 ? (int)processors
-                                                       : 1,
-                           .stop = &stop_signal,
-                           .progress = on_progress,
-                           .context = s};
-    if (cns_fast_kernel_name(&kernel, &err) || cns_study_program(&s->study, &s->program, &err)) {
-        cns_context_close(s);
+        cx->scales[i] = c->model->states[i].scale;
+    cx->study = (cns_study){.model = c->model,
+                            .parameters = c->parameters,
+                            .initial = c->initial,
+                            .smooth = c->smooth ? &c->eps : NULL,
+                            .end = &c->end,
+                            .every = &c->every,
+                            .scales = cx->scales,
+                            .threads = o->threads > 0   ? (int)o->threads
+                                       : processors > 0 ? (int)processors
+                                                        : 1};
+    if (cns_fast_kernel_name(&kernel, &err) || cns_study_program(&cx->study, &cx->program, &err))
         return cns_complain(err.code, "%s", err.text);
-    }
-    s->problem = (cns_problem){.program = s->program,
-                               .scales = s->scales,
-                               .initial = c->initial,
-                               .end = &c->end,
-                               .every = &c->every,
-                               .columns = c->columns,
-                               .n_columns = c->n_columns,
-                               .threads = s->study.threads,
-                               .stop = &stop_signal};
-    catch_signals();
-    cns_meter_init(&s->meter, o->quiet);
+    cx->problem = (cns_problem){.program = cx->program,
+                                .scales = cx->scales,
+                                .initial = c->initial,
+                                .end = &c->end,
+                                .every = &c->every,
+                                .columns = c->columns,
+                                .n_columns = c->n_columns,
+                                .threads = cx->study.threads};
+    cns_context_watch(cx);
     return 0;
 }
 
-void cns_context_close(cns_context *s)
+int cns_context_open(cns_context *cx, const cns_options *o, cns_opens opens)
 {
-    cns_meter_clear(&s->meter);
-    cns_program_free(s->program);
-    free(s->scales);
-    cns_case_free(s->c);
+    *cx = (cns_context){.o = o, .since = cns_seconds()};
+    int status = opens >= CNS_OPENS_CASE ? open_case(cx) : 0;
+    return status || opens < CNS_OPENS_SYSTEM ? status : open_system(cx);
 }
 
-int cns_context_status(cns_context *s, cns_code code, const cns_error *err)
+void cns_context_close(cns_context *cx)
 {
-    cns_meter_clear(&s->meter);
+    cns_meter_clear(&cx->meter);
+    cns_program_free(cx->program);
+    free(cx->scales);
+    cns_case_free(cx->c);
+}
+
+int cns_context_status(cns_context *cx, cns_code code, const cns_error *err)
+{
+    cns_meter_clear(&cx->meter);
     if (code == CNS_STOPPED)
         return CNS_STOPPED + (int)stop_signal;
     return code ? cns_complain(code, "%s", err->text) : 0;

@@ -1,4 +1,5 @@
-/* What a command that computes begins and ends with: the case, its program, signals, progress. */
+/* What a command works with: the command line, and as far as the command asks for it, the case, its system,
+ * signals and progress. */
 #ifndef CNS_CLI_CONTEXT_H
 #define CNS_CLI_CONTEXT_H
 
@@ -19,15 +20,23 @@ typedef struct cns_context {
     double since; /* cns_seconds() at the beginning */
 } cns_context;
 
-/* Opens the case that the command line names, builds its program, and catches SIGINT, SIGTERM and SIGHUP:
- * the first raises the stop of study and problem, the second ends the program. An exit status; when it is
- * not 0 the message is out and nothing has to be closed. */
-int cns_context_open(const cns_options *o, cns_context *s);
-/* The same for a command without a case: signals, meter, and of `study` only stop and progress. */
-void cns_context_begin(const cns_options *o, cns_context *s);
-void cns_context_close(cns_context *s);
+/* How much to open; each includes those before it. */
+typedef enum cns_opens {
+    CNS_OPENS_NOTHING,
+    CNS_OPENS_CASE,  /* the one that the command line names, with its --set options; faults go to standard
+                        error */
+    CNS_OPENS_SYSTEM /* its program, study and problem, signals and progress */
+} cns_opens;
+
+/* An exit status; when it is not 0 the message is out. To be closed in any case. */
+int cns_context_open(cns_context *cx, const cns_options *o, cns_opens opens);
+void cns_context_close(cns_context *cx);
+
+/* Catches SIGINT, SIGTERM and SIGHUP: the first raises the stop of study and problem, the second ends the
+ * program. Progress of the study goes to the meter from here on. */
+void cns_context_watch(cns_context *cx);
 
 /* The exit status of `code`: its message, unless a signal is the cause, goes to standard error. */
-int cns_context_status(cns_context *s, cns_code code, const cns_error *err);
+int cns_context_status(cns_context *cx, cns_code code, const cns_error *err);
 
 #endif

@@ -8,16 +8,30 @@
 #include "commands.h"
 #include "report.h"
 
-static int print_version(void)
+/* The libraries that run, not those that were compiled against. */
+static void print_version(FILE *out, const cns_context *cx, const void *result)
 {
-    cns_page page;
-    cns_code code = cns_page_open(&page);
-    if (code != CNS_OK)
-        return (int)code;
-    /* the libraries that run, not those that were compiled against */
-    fprintf(page.file, "cns %s (MPFR %s, GMP %s, libyaml %s)\n", CNS_VERSION, mpfr_get_version(), gmp_version,
+    (void)cx;
+    (void)result;
+    fprintf(out, "cns %s (MPFR %s, GMP %s, libyaml %s)\n", CNS_VERSION, mpfr_get_version(), gmp_version,
             yaml_get_version_string());
-    return cns_page_print(&page);
+}
+
+static int show_version(cns_context *cx)
+{
+    return cns_show(cx, &(cns_view){.text = print_version}, NULL);
+}
+
+static int run(const cns_options *o)
+{
+    static const cns_command version = {.run = show_version};
+    const cns_command *command = o->version ? &version : o->help ? &cns_command_help : o->command;
+    cns_context cx;
+    int status = cns_context_open(&cx, o, command->opens);
+    if (!status)
+        status = command->run(&cx);
+    cns_context_close(&cx);
+    return status;
 }
 
 int main(int argc, char **argv)
@@ -28,15 +42,7 @@ int main(int argc, char **argv)
 
     cns_options o;
     cns_error err;
-    int status;
-    if (cns_options_parse(&o, argc, argv, &err) != CNS_OK)
-        status = cns_complain(err.code, "%s", err.text);
-    else if (o.version)
-        status = print_version();
-    else if (o.help)
-        status = cns_command_help.run(&o);
-    else
-        status = o.command->run(&o);
+    int status = cns_options_parse(&o, argc, argv, &err) ? cns_complain(err.code, "%s", err.text) : run(&o);
     cns_options_clear(&o);
     mpfr_free_cache();
     return status;

@@ -1,12 +1,13 @@
-/* What the commands share: messages, case files, and output that does not fail in silence. */
+/* What the commands say: messages, and results as text or as a summary, in output that does not fail in
+ * silence. */
 #ifndef CNS_CLI_REPORT_H
 #define CNS_CLI_REPORT_H
 
 #include <stdio.h>
 
-#include "cns/case.h"
 #include "cns/status.h"
-#include "options.h"
+#include "context.h"
+#include "io/summary.h"
 
 /* "cns: MESSAGE" on standard error; returns code. */
 #if defined(__GNUC__)
@@ -14,8 +15,21 @@ __attribute__((format(printf, 2, 3)))
 #endif
 int cns_complain(cns_code code, const char *format, ...);
 
-/* The case file that the command line names, with its --set options; faults go to standard error. */
-cns_code cns_open_case(const cns_options *o, cns_case **c);
+/* How a command shows its result. */
+typedef struct cns_view {
+    void (*text)(FILE *out, const cns_context *cx, const void *result);
+    void (*yaml)(cns_summary *s, const cns_context *cx, const void *result); /* NULL: takes no --yaml */
+    bool to_file; /* -o FILE takes the text, and with --yaml the summary goes to standard output beside it */
+} cns_view;
+
+/* The result to standard output, as a summary with --yaml, else as text. An exit status, with the message
+ * out. */
+int cns_show(const cns_context *cx, const cns_view *view, const void *result);
+
+/* What a study answered: its result, unless that is NULL, and then the message of `code`. An exit status:
+ * that of showing, if it failed, else that of `code`. */
+int cns_report(cns_context *cx, cns_code code, const cns_error *err, const cns_view *view,
+               const void *result);
 
 /* A short text for standard output, built in memory and written at once, so that every failure to write
  * is seen and a reader gets all of it or a failure. */
@@ -25,15 +39,12 @@ typedef struct cns_page {
     size_t size;
 } cns_page;
 
-cns_code cns_page_open(cns_page *p);
-/* Writes and frees. 128 + 13 without a message when the reader has gone (as in `| head`), CNS_IO with one
- * for any other failure. */
-int cns_page_print(cns_page *p);
-/* The same into a file, which is replaced as a whole; a device or pipe is written to. path NULL: standard
- * output. */
+int cns_page_open(cns_page *p);
+/* Writes and frees: to standard output, or, where `path` is not NULL, into a file, which is replaced as a
+ * whole (a device or pipe is written to). 128 + 13 without a message when the reader has gone (as in `|
+ * head`), CNS_IO with one for any other failure. */
 int cns_page_write(cns_page *p, const char *path);
-
-/* What cns_page_print() answers for errno `cause` of a failed write to standard output. */
-int cns_stdout_failed(int cause);
+/* Frees without writing. */
+void cns_page_drop(cns_page *p);
 
 #endif
