@@ -23,9 +23,18 @@ static const char *observable_name(const cns_model *m, int i)
     return i <= m->n_states ? m->states[i - 1].name : m->outputs[i - 1 - m->n_states].name;
 }
 
+/* `laws: observable` of the case. A state there is the only one that matters; beside the norm all are shown.
+ */
+static bool one_state(const cns_case *c)
+{
+    return c->laws.observable != CNS_OBSERVABLE_NORM;
+}
+
 /* Derived quantities are followed if the case asks for any, and named if it asks for them. */
 static bool is_shown(const cns_case *c, int i)
 {
+    if (one_state(c))
+        return i == CNS_TC_STATE(c->laws.observable);
     bool shown = i <= c->model->n_states;
     for (int k = 0; k < c->n_columns && !shown; k++)
         shown = c->columns[k].kind == CNS_COLUMN_OUTPUT && c->columns[k].index == i - 1 - c->model->n_states;
@@ -123,11 +132,11 @@ static int measure(cns_context *cx, const cns_number *delta)
                               .program = cx->program,
                               .truth = cx->program,
                               .delta = delta,
-                              .until = CNS_TC_EVERY_ONE,
+                              .until = one_state(c) ? CNS_TC_STATE(c->laws.observable) : CNS_TC_EVERY_ONE,
                               .reference_digits = cx->o->reference_digits,
                               .progress = on_progress,
                               .context = cx};
-    for (int i = 0; i < c->n_columns; i++)
+    for (int i = 0; i < c->n_columns && !one_state(c); i++)
         request.outputs = request.outputs || c->columns[i].kind == CNS_COLUMN_OUTPUT;
     const cns_tc_result *r = &found.times;
     cns_code code = cns_tc_measure(&cx->study, &request, &found.times, &err);
@@ -150,7 +159,9 @@ static int run(cns_context *cx)
         return CNS_USAGE;
     }
     cns_number_init(&delta);
-    cns_number_parse(&delta, cx->o->delta != NULL ? cx->o->delta : "0.01", &err);
+    cns_number_set(&delta, &c->laws.delta);
+    if (cx->o->delta != NULL)
+        cns_number_parse(&delta, cx->o->delta, &err);
     int status = measure(cx, &delta);
     cns_number_clear(&delta);
     return status;
@@ -170,7 +181,9 @@ const cns_command cns_command_tc = {
         "observable u that is |1 - u1/u2| > delta; for `norm`, the distance of the states that feed\n"
         "back, each divided by its typical size, > delta. With `digits: K` every state is rounded to K\n"
         "significant decimals after every step. The finer run is a Taylor run with more digits, chosen\n"
-        "so that its own error stays far below delta.\n",
+        "so that its own error stays far below delta. delta is `laws: delta` of the case, unless --delta\n"
+        "gives another. Where `laws: observable` names a state, the run ends at its T_c, and no other is\n"
+        "printed.\n",
     .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_DELTA, CNS_OPTION_REFERENCE_DIGITS,
                          CNS_OPTION_THREADS, CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
 };

@@ -64,6 +64,37 @@ $ cat > a.yaml; for d in 1e-2 1e-3; do cns tc -q --yaml --delta $d a.yaml | sed 
 | numerics: {digits: 5}
 > 1
 
+= delta is that of the case, and --delta wins over it
+$ cat > a.yaml; sed '/^laws/d' a.yaml > b.yaml
+$ cns tc -q --yaml a.yaml > case; cns tc -q --yaml --delta 1e-6 b.yaml | cmp - case
+$ cns tc -q --yaml --delta 0.01 a.yaml > wins; cns tc -q --yaml b.yaml | cmp - wins
+$ paste case wins | awk '/^delta/ {print $2, $4} /norm/ {print ($2 < $4)}'
+| model: apw
+| initial: {theta: 1, Vy: 0.01, omega: 1}
+| time: {end: 100, every: 0.5}
+| numerics: {digits: 5}
+| laws: {delta: 1e-6}
+> 1e-6 0.01
+> 1
+
+= a state as the observable of the case: its T_c alone, that of a run for all and that of the laws
+$ cat > a.yaml; tc() { cns tc -q --yaml a.yaml "$@" | sed -n '/^times/,$p'; }
+$ tc > one; wc -l < one | tr -d ' '; tc --set laws.observable=norm | grep '  y: ' > all; tail -n 1 one | cmp - all
+$ grep -v numerics a.yaml > b.yaml; cns laws -q --yaml b.yaml > laws || echo $?
+$ awk '/^  y:/ {a = $2} /tc:/ {b = $2} END {d = a - b; print (a > 10 && d * d < 1e-8)}' one laws
+$ cns tc -q a.yaml | sed 's/[0-9.]* *(first.*//'
+| model: lorenz
+| initial: {x: -15.8, y: -17.48, z: 35.64}
+| time: {end: 100, every: 1/4}
+| numerics: {digits: 10}
+| laws: {delta: 0.1, observable: y, digits: {from: 10, to: 10}}
+> 2
+> 1
+> 1
+> T_c of a.yaml, 10 digits, delta = 0.1, against 32 digits
+>   y          
+2> cns: no line for digits_law: fewer than three points, or no exponential growth
+
 = case 1 as printed has no T_c: the line is invariant
 $ sed 's/^goal.*/numerics: {digits: 16}/' "$CASES/case1.yaml" > a.yaml; cns tc -q --yaml a.yaml | tail -n +5
 >   norm:
