@@ -60,6 +60,19 @@ typedef struct cns_model_connection {
     const char *back, *beyond; /* the modes: having come near the next saddle, `along` falls or grows away */
 } cns_model_connection;
 
+/* A straight line for the critical predictable time (cns/study/laws.h): T_c = slope x + intercept. */
+typedef struct cns_model_line {
+    double slope, intercept;
+} cns_model_line;
+
+/* Laws of the critical predictable time that have been published for the model, to compare with. */
+typedef struct cns_model_published {
+    const char *authors, *subject; /* whose, and of which motion, as in "their case 1" */
+    cns_model_line digits;         /* x = K, the decimal digits of the arithmetic */
+    cns_model_line steps;          /* x = -log10 of the fixed step h of a method of this order */
+    int order;
+} cns_model_published;
+
 typedef struct cns_model {
     const char *name;
     const char *title;
@@ -77,6 +90,7 @@ typedef struct cns_model {
     int n_symmetries;
     const cns_model_symmetry *symmetries;
     const cns_model_connection *connection; /* NULL: none known */
+    const cns_model_published *published;   /* NULL: none known */
 } cns_model;
 
 int cns_model_count(void);

@@ -16,10 +16,16 @@ static const struct words {
     {"smoothing_law", "eps", "T_c against the smoothing eps", "(-log10 eps)"},
 };
 
-/* Xu, Li, Li, Liao, equation for T_c: min of the two, case 1, K = 16..25. */
-static const struct {
-    double slope, intercept;
-} paper[CNS_LAW_KINDS] = {{10.95, 96.11}, {42.81, 112.56}, {0, 0}};
+/* The published line that a law of this case compares with; NULL: there is none. */
+static const cns_model_line *published(const cns_case *c, const cns_laws_result *r, cns_law_kind kind)
+{
+    const cns_model_published *p = c->model->published;
+    if (p != NULL && kind == CNS_LAW_DIGITS)
+        return &p->digits;
+    if (p != NULL && kind == CNS_LAW_STEPS && r->order == p->order)
+        return &p->steps;
+    return NULL;
+}
 
 static const char *observable(const cns_case *c)
 {
@@ -66,13 +72,18 @@ static void print_law(FILE *out, const cns_case *c, const cns_laws_result *r, cn
     if (kind != CNS_LAW_DIGITS && digits->fitted)
         fprintf(out, "    slope over the slope per digit: %.3f%s\n", f->slope / digits->time.slope,
                 kind == CNS_LAW_STEPS ? ", roughly the order" : "");
-    const bool rk4 = kind != CNS_LAW_STEPS || c->laws.steps.method == CNS_METHOD_RK4;
-    if (strcmp(c->model->name, "apw") != 0 || paper[kind].slope == 0 || !rk4)
-        return;
-    const double off = fabs(f->slope - paper[kind].slope);
-    fprintf(out,
-            "    Xu, Li, Li, Liao for their case 1: %.2f and %.2f; their slope lies %s these 95 %% limits\n",
-            paper[kind].slope, paper[kind].intercept, off <= f->slope_95 ? "within" : "outside");
+    const cns_model_line *known = published(c, r, kind);
+    if (known != NULL)
+        fprintf(out, "    %s for their %s: %.2f and %.2f; their slope lies %s these 95 %% limits\n",
+                c->model->published->authors, c->model->published->subject, known->slope, known->intercept,
+                fabs(f->slope - known->slope) <= f->slope_95 ? "within" : "outside");
+}
+
+/* T_c is the smaller of what the digits and what the steps allow. */
+static void print_both(FILE *out, cns_model_line digits, cns_model_line steps)
+{
+    fprintf(out, "T_c ~ min{%.2f K %+.2f, %.2f log10 h %+.2f}", digits.slope, digits.intercept, -steps.slope,
+            steps.intercept);
 }
 
 static void print_text(FILE *out, const cns_context *cx, const void *result)
@@ -97,11 +108,16 @@ static void print_text(FILE *out, const cns_context *cx, const void *result)
     if (a->fitted)
         fprintf(out, "\nkappa = ln 10 / slope per digit = %.4f; lambda = %.4f +- %.4f\n", kappa_of(r),
                 r->lambda, r->lambda_se);
-    if (a->fitted && h->fitted)
-        fprintf(out, "T_c ~ min{%.2f K %+.2f, %.2f log10 h %+.2f}\n", a->time.slope, a->time.intercept,
-                -h->time.slope, h->time.intercept);
-    if (a->fitted && h->fitted && strcmp(c->model->name, "apw") == 0)
-        fprintf(out, "T_c ~ min{10.95 K +96.11, -42.81 log10 h +112.56} in the paper, for its case 1\n");
+    if (!a->fitted || !h->fitted)
+        return;
+    print_both(out, (cns_model_line){a->time.slope, a->time.intercept},
+               (cns_model_line){h->time.slope, h->time.intercept});
+    fputc('\n', out);
+    const cns_model_line *k = published(c, r, CNS_LAW_DIGITS), *l = published(c, r, CNS_LAW_STEPS);
+    if (k == NULL || l == NULL)
+        return;
+    print_both(out, *k, *l);
+    fprintf(out, " in the paper, for its %s\n", c->model->published->subject);
 }
 
 static void summarise_law(cns_summary *s, const cns_law *law, const struct words *w)

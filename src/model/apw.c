@@ -140,6 +140,14 @@ static const cns_model_symmetry symmetries[] = {
 static const cns_model_connection connection = {
     .saddle = "edge-on", .along = THETA, .back = "flutter", .beyond = "tumble"};
 
+/* Xu, Li, Li, Liao, equation for T_c: the smaller of the two, with K from 16 to 25 and RK4 with h from 1e-2
+ * to 1e-5. */
+static const cns_model_published published = {.authors = "Xu, Li, Li, Liao",
+                                              .subject = "case 1",
+                                              .digits = {10.95, 96.11},
+                                              .steps = {42.81, 112.56},
+                                              .order = 4};
+
 const cns_model cns_model_apw = {
     .name = "apw",
     .title = "disk falling through water (Andersen-Pesavento-Wang)",
@@ -157,4 +165,5 @@ const cns_model cns_model_apw = {
     .n_symmetries = sizeof symmetries / sizeof *symmetries,
     .symmetries = symmetries,
     .connection = &connection,
+    .published = &published,
 };
