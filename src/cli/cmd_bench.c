@@ -7,8 +7,8 @@
 
 enum { DEFAULT_SECONDS = 20 };
 
-/* Stretches of time that the plain engine covers in about a second or less, so long as that takes no less
- * than a step: with 1000 digits one step is several seconds. */
+/* For each number of digits, and each system, a stretch of time that a run in MPFR covers in about a second.
+ * With 1000 digits it is one step, which takes several. */
 static const struct {
     long digits;
     double until[CNS_BENCH_SYSTEMS];
@@ -57,7 +57,7 @@ static void print_table(FILE *out, const cns_context *cx, const void *result)
                 cns_bench_engine_name((cns_bench_engine)e), "x");
     fprintf(out, "  %5s\n", "right");
     for (const cns_bench_row *row = rows; row < rows + ROWS; row++) {
-        const cns_bench_cell *plain = &row->cells[CNS_BENCH_MPFR];
+        const cns_bench_cell *mpfr = &row->cells[CNS_BENCH_MPFR];
         fprintf(out, "%-14s %6ld", cns_bench_system_name(row->system), row->digits);
         for (int e = 0; e < CNS_BENCH_ENGINES; e++) {
             const cns_bench_cell *c = &row->cells[e];
@@ -65,8 +65,8 @@ static void print_table(FILE *out, const cns_context *cx, const void *result)
                 fprintf(out, "  %10.4g", cns_bench_median(c));
             else
                 fprintf(out, "  %10s", "-");
-            if (e != CNS_BENCH_MPFR && c->runs > 0 && plain->runs > 0)
-                fprintf(out, " %6.1f", cns_bench_median(plain) / cns_bench_median(c));
+            if (e != CNS_BENCH_MPFR && c->runs > 0 && mpfr->runs > 0)
+                fprintf(out, " %6.1f", cns_bench_median(mpfr) / cns_bench_median(c));
             else if (e != CNS_BENCH_MPFR)
                 fprintf(out, " %6s", "-");
         }

@@ -19,6 +19,7 @@ static void text_unless_null(cns_summary *s, const char *key, const char *text)
         cns_summary_text(s, key, text);
 }
 
+/* What is shown of one motion. */
 typedef struct found_motion {
     cns_motion motion;
     const char *observable; /* whose maxima are listed */
@@ -137,6 +138,7 @@ static char *identity_of(const cns_case *c, const cns_classify_spec *spec)
     return text;
 }
 
+/* What a sweep found. */
 typedef struct found_sweep {
     cns_sweep sweep;
     char **rows; /* cns_sweep_count of them, as text; NULL: not computed */

@@ -5,11 +5,6 @@
 #include "integrate/trajectory.h"
 #include "report.h"
 
-typedef struct tc_found {
-    const cns_number *delta;
-    cns_tc_result times;
-} tc_found;
-
 static void on_progress(void *context, double fraction)
 {
     const cns_context *cx = context;
@@ -23,8 +18,7 @@ static const char *observable_name(const cns_model *m, int i)
     return i <= m->n_states ? m->states[i - 1].name : m->outputs[i - 1 - m->n_states].name;
 }
 
-/* `laws: observable` of the case. A state there is the only one that matters; beside the norm all are shown.
- */
+/* Where `laws: observable` is a state, it alone is followed; where it is the norm, so is everything else. */
 static bool one_state(const cns_case *c)
 {
     return c->laws.observable != CNS_OBSERVABLE_NORM;
@@ -83,12 +77,11 @@ static void print_times(cns_summary *s, const cns_case *c, const cns_tc_result *
 static void print_text(FILE *out, const cns_context *cx, const void *result)
 {
     const cns_case *c = cx->c;
-    const tc_found *found = result;
-    const cns_tc_result *r = &found->times;
+    const cns_tc_result *r = result;
     char digits[32] = "double precision";
     if (c->numerics.arithmetic != CNS_ARITH_DOUBLE)
         snprintf(digits, sizeof digits, "%ld digits", c->numerics.digits);
-    fprintf(out, "T_c of %s, %s, delta = %s, against %ld digits\n", c->name, digits, found->delta->text,
+    fprintf(out, "T_c of %s, %s, delta = %s, against %ld digits\n", c->name, digits, c->laws.delta.text,
             r->reference_digits);
     for (int i = 0; i < r->n; i++) {
         const cns_tc_time *t = &r->time[i];
@@ -110,60 +103,47 @@ static void print_text(FILE *out, const cns_context *cx, const void *result)
 
 static void print_yaml(cns_summary *s, const cns_context *cx, const void *result)
 {
-    const cns_numerics *n = &cx->c->numerics;
-    const tc_found *found = result;
-    cns_summary_text(s, "delta", found->delta->text);
-    if (n->arithmetic == CNS_ARITH_DOUBLE)
+    const cns_case *c = cx->c;
+    const cns_tc_result *r = result;
+    cns_summary_text(s, "delta", c->laws.delta.text);
+    if (c->numerics.arithmetic == CNS_ARITH_DOUBLE)
         cns_summary_text(s, "digits", "double");
     else
-        cns_summary_long(s, "digits", n->digits);
-    cns_summary_long(s, "reference_digits", found->times.reference_digits);
-    print_times(s, cx->c, &found->times);
+        cns_summary_long(s, "digits", c->numerics.digits);
+    cns_summary_long(s, "reference_digits", r->reference_digits);
+    print_times(s, c, r);
 }
 
 static const cns_view view = {.text = print_text, .yaml = print_yaml};
 
-static int measure(cns_context *cx, const cns_number *delta)
+static int run(cns_context *cx)
 {
-    const cns_case *c = cx->c;
-    tc_found found = {.delta = delta};
+    cns_case *c = cx->c;
+    cns_tc_result r;
     cns_error err = {0};
+    if (!c->has_numerics) {
+        fprintf(stderr, "%s:1:1: %s: `cns tc` needs 'numerics', such as {digits: 16}\n", c->name,
+                c->has_goal ? "a 'goal' finds its own digits and is proven" : "no 'numerics'");
+        return CNS_USAGE;
+    }
+    if (cx->o->delta != NULL)
+        cns_number_parse(&c->laws.delta, cx->o->delta, &err);
     cns_tc_request request = {.numerics = &c->numerics,
                               .program = cx->program,
                               .truth = cx->program,
-                              .delta = delta,
+                              .delta = &c->laws.delta,
                               .until = one_state(c) ? CNS_TC_STATE(c->laws.observable) : CNS_TC_EVERY_ONE,
                               .reference_digits = cx->o->reference_digits,
                               .progress = on_progress,
                               .context = cx};
     for (int i = 0; i < c->n_columns && !one_state(c); i++)
         request.outputs = request.outputs || c->columns[i].kind == CNS_COLUMN_OUTPUT;
-    const cns_tc_result *r = &found.times;
-    cns_code code = cns_tc_measure(&cx->study, &request, &found.times, &err);
-    int status = cns_report(cx, code, &err, &view, !code || code == CNS_UNREACHED ? &found : NULL);
+    cns_code code = cns_tc_measure(&cx->study, &request, &r, &err);
+    int status = cns_report(cx, code, &err, &view, !code || code == CNS_UNREACHED ? &r : NULL);
     if (cx->o->verbose && !status)
-        fprintf(stderr, "cns: %ld steps, reference %ld steps, up to t = %.12g, %.2f s\n", r->steps,
-                r->reference_steps, r->compared, cns_seconds() - cx->since);
-    cns_tc_result_clear(&found.times);
-    return status;
-}
-
-static int run(cns_context *cx)
-{
-    const cns_case *c = cx->c;
-    cns_number delta;
-    cns_error err;
-    if (!c->has_numerics) {
-        fprintf(stderr, "%s:1:1: %s: `cns tc` needs 'numerics', such as {digits: 16}\n", c->name,
-                c->has_goal ? "a 'goal' finds its own digits and is proven" : "no 'numerics'");
-        return CNS_USAGE;
-    }
-    cns_number_init(&delta);
-    cns_number_set(&delta, &c->laws.delta);
-    if (cx->o->delta != NULL)
-        cns_number_parse(&delta, cx->o->delta, &err);
-    int status = measure(cx, &delta);
-    cns_number_clear(&delta);
+        fprintf(stderr, "cns: %ld steps, reference %ld steps, up to t = %.12g, %.2f s\n", r.steps,
+                r.reference_steps, r.compared, cns_seconds() - cx->since);
+    cns_tc_result_clear(&r);
     return status;
 }
 

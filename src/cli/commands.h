@@ -1,4 +1,4 @@
-/* The commands: each is described whole in its own file, and commands.def lists them. */
+/* The commands: each has a file of its own, cmd_NAME.c, that says all about it, and a row in commands.def. */
 #ifndef CNS_CLI_COMMANDS_H
 #define CNS_CLI_COMMANDS_H
 
@@ -13,10 +13,11 @@ typedef struct cns_command {
     int least, most;             /* how many operands */
     const char *summary;
     const char *details; /* paragraphs for `cns help NAME`; NULL: the summary says it all */
-    const cns_option
-        *options; /* in the order of the help, made by CNS_TAKES; NULL: only those of every command */
+    /* Those that it takes besides --help and --version, in the order of the help: CNS_TAKES, or NULL. */
+    const cns_option *options;
 } cns_command;
 
+/* A list of options. */
 #define CNS_TAKES(...) ((const cns_option[]){__VA_ARGS__, CNS_OPTIONS_END})
 
 #define COMMAND(name) extern const cns_command cns_command_##name;

@@ -1,5 +1,5 @@
-/* What a command works with: the command line, and as far as the command asks for it, the case, its system,
- * signals and progress. */
+/* What a command works with: the command line, and as far as the command asks for them, the case, the system
+ * that it describes, signals and progress. */
 #ifndef CNS_CLI_CONTEXT_H
 #define CNS_CLI_CONTEXT_H
 
@@ -23,9 +23,8 @@ typedef struct cns_context {
 /* How much to open; each includes those before it. */
 typedef enum cns_opens {
     CNS_OPENS_NOTHING,
-    CNS_OPENS_CASE,  /* the one that the command line names, with its --set options; faults go to standard
-                        error */
-    CNS_OPENS_SYSTEM /* its program, study and problem, signals and progress */
+    CNS_OPENS_CASE,  /* that of the command line, with its --set options; faults go to standard error */
+    CNS_OPENS_SYSTEM /* the case's program, study and problem; signals and progress as below */
 } cns_opens;
 
 /* An exit status; when it is not 0 the message is out. To be closed in any case. */

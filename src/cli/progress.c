@@ -9,14 +9,14 @@
 #include "core/clock.h"
 #include "integrate/trajectory.h"
 
-static const double terminal_pause = 0.2, plain_pause = 30; /* seconds */
+static const double terminal_pause = 0.2, line_pause = 30; /* seconds */
 
 void cns_meter_init(cns_meter *m, bool quiet)
 {
     m->quiet = quiet;
     m->terminal = isatty(STDERR_FILENO) == 1;
     m->shown = false;
-    m->next = cns_seconds() + (m->terminal ? terminal_pause : plain_pause);
+    m->next = cns_seconds() + (m->terminal ? terminal_pause : line_pause);
 }
 
 static int columns(void)
@@ -42,7 +42,7 @@ void cns_meter_show(cns_meter *m, double fraction, double seconds, const char *w
     double now = cns_seconds();
     if (m->quiet || now < m->next)
         return;
-    m->next = now + (m->terminal ? terminal_pause : plain_pause);
+    m->next = now + (m->terminal ? terminal_pause : line_pause);
     char eta[32], line[512];
     duration(eta, sizeof eta, fraction > 0 ? seconds * (1 - fraction) / fraction : 0);
     int length =
