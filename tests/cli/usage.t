@@ -157,3 +157,38 @@ $ cns models lorentz
 $ cns check -- -x.yaml
 2> re:-x\.yaml.*No such file
 ? 4
+
+= what is wrong with options is said, before the case is read
+$ for o in '-o a --output=b' '--yaml=3' '--threads' '--threads 0' '--until 3' '-qv' '-qZ' '--output=' '--yamle'; do cns run x.yaml $o || echo $?; done
+> 2
+> 2
+> 2
+> 2
+> 2
+> 2
+> 2
+> 2
+> 2
+2> cns: --output is given twice
+2> cns: --yaml takes no value
+2> cns: --threads needs a value: --threads N
+2> cns: --threads takes an integer from 1 to 4096, not '0'
+2> cns: --until does not go with `cns run`
+2> cns: --quiet and --verbose contradict each other
+2> cns: unknown option -Z; `cns help` lists the options
+2> cns: --output needs a name
+2> cns: unknown option --yamle; did you mean --yaml?
+
+= options in all their forms, anywhere in the line
+$ cat > a.yaml; cns -q run a.yaml -ot1; cns run --quiet --output t2 a.yaml; cns run -qo t3 -- a.yaml; cns --output=t4 -q run a.yaml; cmp t1 t2; cmp t1 t3; cmp t1 t4
+| model: lorenz
+| time: {end: 1}
+| numerics: {digits: 16}
+
+# Three operands are too many for any command: none begins to work.
+= the help of a command lists the options that it takes, and no others are taken
+$ for c in $(cns help | sed -n 's/^  cns \([a-z]*\) .*/\1/p'); do
+$ for o in output yaml set prove events section delta reference-digits until decimals sweep observable digits seconds threads quiet verbose; do
+$ v=; case $o in yaml | prove | quiet | verbose) ;; *) v==10 ;; esac
+$ takes=$(cns help $c | grep -cE "^  +(-[a-z], )?--$o ") || true; cns $c --$o$v a b c 2>&1 | grep -q "does not go with" && refused=1 || refused=0
+$ [ $takes != $refused ] || echo $c $o; done; done
