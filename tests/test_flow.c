@@ -845,6 +845,35 @@ START_TEST(can_be_stopped)
 }
 END_TEST
 
+START_TEST(refuses_what_makes_no_sense)
+{
+    cns_program *p = oscillator();
+    cns_number zero, pi;
+    cns_error err;
+    cns_number_init(&zero);
+    cns_number_init(&pi);
+    check_ok(cns_number_parse(&pi, "pi/100", &err), &err);
+    cns_flow_spec spec[6];
+    for (int i = 0; i < 6; i++)
+        spec[i] = taylor_spec(p, 20);
+    spec[0].method = CNS_METHOD_RK4;
+    spec[1].step = &zero;
+    spec[2].step = &pi;
+    spec[3].order = 0;
+    spec[4].prec = 0;
+    spec[5].arithmetic = CNS_ARITH_DOUBLE;
+    spec[5].round_digits = 10;
+    for (int i = 0; i < 6; i++) {
+        err.code = CNS_OK;
+        ck_assert_ptr_null(cns_flow_new(&spec[i], &err));
+        ck_assert_int_eq(err.code, CNS_USAGE);
+    }
+    cns_number_clear(&zero);
+    cns_number_clear(&pi);
+    cns_program_free(p);
+}
+END_TEST
+
 /* Passive states do not steer: a quadrature beside the system changes no step. */
 START_TEST(passive_states_do_not_steer)
 {
@@ -911,6 +940,7 @@ Suite *suite_flow(void)
     tcase_add_loop_test(t, singularities_are_errors, 0, (int)(sizeof singular / sizeof *singular));
     tcase_add_test(t, verify_finds_a_wrong_branch);
     tcase_add_test(t, can_be_stopped);
+    tcase_add_test(t, refuses_what_makes_no_sense);
     tcase_add_test(t, passive_states_do_not_steer);
     tcase_add_test(t, digits_and_orders);
     suite_add_tcase(s, t);

@@ -27,14 +27,28 @@ struct cns_flow {
 
 enum { TIME_BITS = 128, CHECK_BITS = 96 };
 
+/* What is wrong with what is asked for; NULL: nothing. */
+static const char *refused(const cns_flow_spec *spec)
+{
+    const bool multiple = spec->arithmetic != CNS_ARITH_DOUBLE;
+    if (spec->method == CNS_METHOD_RK4 && !spec->step)
+        return "the Runge-Kutta method needs a fixed step";
+    if (spec->step && (spec->step->pi_power != 0 || cns_number_sign(spec->step) <= 0))
+        return "a fixed step must be rational and positive";
+    if (spec->method == CNS_METHOD_TAYLOR && spec->order < 1)
+        return "the order of a Taylor series must be at least 1";
+    if (multiple && (spec->prec < MPFR_PREC_MIN || spec->prec > MPFR_PREC_MAX / 4))
+        return "the precision is out of range";
+    if (spec->round_digits > 0 && !multiple)
+        return "double cannot keep a number of decimals: take multiple precision";
+    return NULL;
+}
+
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
 {
-    if (spec->method == CNS_METHOD_RK4 && !spec->step) {
-        cns_fail(err, CNS_USAGE, "the Runge-Kutta method needs a fixed step");
-        return NULL;
-    }
-    if (spec->round_digits > 0 && spec->arithmetic == CNS_ARITH_DOUBLE) {
-        cns_fail(err, CNS_USAGE, "double cannot keep a number of decimals: take multiple precision");
+    const char *why = refused(spec);
+    if (why != NULL) {
+        cns_fail(err, CNS_USAGE, "%s", why);
         return NULL;
     }
     cns_flow *f = calloc(1, sizeof *f);
