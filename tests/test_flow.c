@@ -51,7 +51,7 @@ static const struct {
 };
 enum { MODES = (int)(sizeof modes / sizeof *modes) };
 
-/* Runs p from `initial` to t in mode m; states in x; returns the number of events. */
+/* Runs p from `initial` to t in mode m; states in x; returns the number of landings. */
 static long run_mode(int m, const cns_program *p, const char *const *initial, const char *t, mpfr_t *x)
 {
     cns_flow_spec spec = taylor_spec(p, modes[m].digits);
@@ -60,11 +60,11 @@ static long run_mode(int m, const cns_program *p, const char *const *initial, co
     spec.step = step;
     cns_flow *f = flow_started(&spec, initial);
     flow_to(f, t, x);
-    long events = cns_flow_landings(f);
+    long landings = cns_flow_landings(f);
     cns_flow_free(f);
     if (step)
         numbers_free(step, 1);
-    return events;
+    return landings;
 }
 
 /* y' = |u(x)|, closed forms. Programs of two states: x, y. */
@@ -123,7 +123,7 @@ static const struct {
     const char *name;
     cns_node (*u)(cns_program *p, cns_node x);
     const char *t, *y;
-    long least, most; /* events */
+    long least, most; /* landings */
 } integrals[] = {
     {"two crossings", u_quadratic, "3", "11/6", 2, 2},
     {"two crossings, end on one", u_quadratic, "2", "1", 1, 2},
@@ -152,13 +152,13 @@ START_TEST(integrates_absolute_values)
     cns_derivative(p, 1, cns_abs(p, integrals[row].u(p, cns_state(p, 0))));
     finished(p);
     mpfr_t *x = vector_new(2, 300);
-    long events = run_mode(m, p, zeros, integrals[row].t, x);
+    long landings = run_mode(m, p, zeros, integrals[row].t, x);
     snprintf(what, sizeof what, "%s, %s", integrals[row].name, modes[m].name);
     check_value(x[0], integrals[row].t, modes[m].decimals, what);
     check_value(x[1], integrals[row].y, modes[m].decimals, what);
     /* A zero at the end of a fixed step begins the next one instead: no event. */
-    ck_assert_msg((events >= integrals[row].least || modes[m].step) && events <= integrals[row].most,
-                  "%s: %ld events", what, events);
+    ck_assert_msg((landings >= integrals[row].least || modes[m].step) && landings <= integrals[row].most,
+                  "%s: %ld landings", what, landings);
     vector_free(x, 2);
     cns_program_free(p);
 }
@@ -213,8 +213,8 @@ START_TEST(crossings_at_the_same_time)
     finished(p);
     mpfr_t *y = vector_new(5, 300);
     for (int m = 0; m < MODES; m++) {
-        long events = run_mode(m, p, zeros, "1", y);
-        ck_assert_msg(events >= 1 && events <= 3, "%ld events", events);
+        long landings = run_mode(m, p, zeros, "1", y);
+        ck_assert_msg(landings >= 1 && landings <= 3, "%ld landings", landings);
         check_value(y[1], "5/18", modes[m].decimals, modes[m].name);
         check_value(y[2], "5/6", modes[m].decimals, modes[m].name);
         check_value(y[3], "22/81", modes[m].decimals, modes[m].name);
@@ -292,8 +292,8 @@ START_TEST(an_invariant_line)
         finished(p);
         mpfr_t *y = vector_new(4, 300);
         for (int m = 0; m < MODES; m++) {
-            long events = run_mode(m, p, start, "2", y);
-            ck_assert(events == 1 || (events == 0 && modes[m].step));
+            long landings = run_mode(m, p, start, "2", y);
+            ck_assert(landings == 1 || (landings == 0 && modes[m].step));
             check_value(y[1], "1", modes[m].decimals, modes[m].name);
         }
         vector_free(y, 4);
@@ -377,7 +377,7 @@ START_TEST(agrees_with_reference_tables)
             check_close(x[k], y[k], DECIMALS(references[_i].decimals), "%s at %s, state %d",
                         references[_i].table, references[_i].times[i], k);
     }
-    ck_assert_msg((cns_flow_landings(f) > 0) == !references[_i].smooth, "%ld events", cns_flow_landings(f));
+    ck_assert_msg((cns_flow_landings(f) > 0) == !references[_i].smooth, "%ld landings", cns_flow_landings(f));
     vector_free(x, 6);
     vector_free(y, 6);
     cns_flow_free(f);

@@ -147,7 +147,7 @@ START_TEST(growth_is_that_of_a_small_distance)
         cns_error err;
         check_ok(try_exponent(p, disk, disk_tangent, time, (cns_arithmetic)arithmetic, &r, &err), &err);
         ck_assert_double_eq_tol(r.lambda, expected, 2e-9);
-        ck_assert_int_gt(r.events, 3);
+        ck_assert_int_gt(r.landings, 3);
     }
     mpq_clear(change);
     vector_free(a, 6);
@@ -167,7 +167,7 @@ START_TEST(lorenz)
     cns_lyapunov_result r = exponent(p, start, 1000, CNS_ARITH_DOUBLE);
     ck_assert_double_eq_tol(r.lambda, 0.9056, 3.5 * r.se);
     ck_assert_double_le(r.se, 0.05);
-    ck_assert_int_eq(r.events, 0);
+    ck_assert_int_eq(r.landings, 0);
     cns_program_free(p);
 }
 END_TEST

@@ -218,7 +218,7 @@ START_TEST(case_1_is_its_closed_form)
     check_done(&t);
     ck_assert_int_eq(t.rows, 5);
     ck_assert_int_eq(t.result.decimals, 50);
-    ck_assert_int_eq(t.result.events, 1);
+    ck_assert_int_eq(t.result.landings, 1);
     mpfr_inits2(400, w, k, a, u, v, y, (mpfr_ptr)0);
     mpfr_const_pi(w, MPFR_RNDN);
     mpfr_mul_ui(w, w, 10, MPFR_RNDN);
@@ -336,7 +336,7 @@ START_TEST(steps_do_not_depend_on_every)
     check_done(&b);
     ck_assert_int_eq(a.rows, 43);
     ck_assert_int_eq(a.result.steps, b.result.steps);
-    ck_assert_int_eq(a.result.events, b.result.events);
+    ck_assert_int_eq(a.result.landings, b.result.landings);
     for (int r = 0; r < b.rows; r++)
         for (int i = 1; i <= MAX_STATES; i++)
             ck_assert_str_eq(a.text[14 * r][i], b.text[r][i]); /* all digits of the arithmetic */
@@ -556,7 +556,7 @@ START_TEST(a_wrong_sign_is_found)
                  proven ? "goal: {decimals: 20}\n" : "numerics: {arithmetic: mpfr, digits: 60}\n");
         solve(&t, yaml, false, NULL);
         check_done(&t);
-        ck_assert_msg(t.result.events > 0, "%s: no kink, nothing to get wrong", kinks[_i].name);
+        ck_assert_msg(t.result.landings > 0, "%s: no kink, nothing to get wrong", kinks[_i].name);
         table wrong;
         solve(&wrong, yaml, false, unwatch);
         if (proven) {

@@ -241,7 +241,7 @@ START_TEST(follows_the_flow)
     cns_flow *f = flow_new(&tangent_spec);
     cns_flow_start(f, both);
     flow_to(f, flows[_i].t, z);
-    long events = cns_flow_landings(f);
+    long landings = cns_flow_landings(f);
     cns_flow_free(f);
     for (int side = 0; side < 2; side++) {
         for (int i = 0; i < d; i++) {
@@ -262,7 +262,7 @@ START_TEST(follows_the_flow)
             mpq_sub(start[index[i]].ratio, start[index[i]].ratio, change);
         }
     }
-    ck_assert_msg((events > 0) == (_i == 0 || _i == 3 || _i == 4), "%ld events", events);
+    ck_assert_msg((landings > 0) == (_i == 0 || _i == 3 || _i == 4), "%ld landings", landings);
     mpfr_init2(eps, spec.prec);
     mpfr_set_q(eps, small, MPFR_RNDN);
     for (int i = 0; i < d; i++) {

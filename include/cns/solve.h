@@ -86,8 +86,8 @@ typedef struct cns_problem {
 } cns_problem;
 
 typedef struct cns_result {
-    cns_run_info run;   /* of the last attempt */
-    long steps, events; /* of the printed run */
+    cns_run_info run;     /* of the last attempt */
+    long steps, landings; /* of the printed run; landings are steps that end on a kink */
     long rows;
     long decimals; /* the least proven in any row; -1: no proof, or no row */
     bool complete; /* all rows are there */

@@ -63,7 +63,7 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
     cns_summary_number(s, "discarded", r->discarded, 9);
     cns_summary_long(s, "order", r->order);
     cns_summary_long(s, "steps", r->steps);
-    cns_summary_long(s, "events", r->events);
+    cns_summary_long(s, "events", r->landings);
     cns_summary_open_list(s, "batches");
     for (int b = 0; b < CNS_LYAPUNOV_COUNTS; b++) {
         cns_summary_open_mapping(s, NULL);
@@ -94,7 +94,8 @@ static int run(cns_context *cx)
     cns_code code = cns_lyapunov(&problem, &r, &err);
     int status = cns_report(cx, code, &err, &view, code ? NULL : &r);
     if (!status && cx->o->verbose)
-        fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", r.steps, r.events, cns_seconds() - cx->since);
+        fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", r.steps, r.landings,
+                cns_seconds() - cx->since);
     return status;
 }
 

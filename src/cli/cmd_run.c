@@ -63,7 +63,7 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *found)
     cns_summary_long(s, "digits", result->run.digits);
     cns_summary_long(s, "order", result->run.order);
     cns_summary_long(s, "steps", result->steps);
-    cns_summary_long(s, "events", result->events);
+    cns_summary_long(s, "events", result->landings);
     cns_summary_text(s, "kernel", result->run.kernel);
     cns_summary_seconds(s, "wall_s", result->wall_s);
 }
@@ -125,7 +125,7 @@ static int run(cns_context *cx)
         status = printed ? printed : status;
     }
     if (o->verbose && !status)
-        fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", result.steps, result.events, result.wall_s);
+        fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", result.steps, result.landings, result.wall_s);
     return status;
 }
 

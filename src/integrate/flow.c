@@ -19,7 +19,7 @@ struct cns_flow {
     mpq_t grid; /* fixed step: steps so far, times the step, exactly */
     mpq_t step;
     cns_step last;
-    long steps, events;
+    long steps, landings;
     cns_jet *check; /* pointwise right-hand side, its constants converted anew at more bits */
     mpfr_t *derivative;
     mpfr_t tolerance, difference;
@@ -120,7 +120,7 @@ static void restart(cns_flow *f)
     mpfr_set_zero(f->t0, 1);
     mpfr_set_zero(f->t1, 1);
     mpq_set_ui(f->grid, 0, 1);
-    f->steps = f->events = 0;
+    f->steps = f->landings = 0;
     f->last.landed = false;
     f->ops->start(f->stepper);
 }
@@ -248,7 +248,7 @@ cns_code cns_flow_step(cns_flow *f, cns_error *err)
         else if (runs_away(f, i))
             return cns_fail(err, CNS_NUMERIC, "t = %.12g: state %d grows without bound: a pole", t, i);
     f->steps++;
-    f->events += f->last.landed;
+    f->landings += f->last.landed;
     code = f->check ? verify(f, err) : CNS_OK;
     if (!code && f->spec.round_digits > 0)
         round_state(f);
@@ -307,7 +307,7 @@ long cns_flow_steps(const cns_flow *f)
 
 long cns_flow_landings(const cns_flow *f)
 {
-    return f->events;
+    return f->landings;
 }
 
 void cns_flow_eval(cns_flow *f, const mpq_t t, mpfr_t *x)

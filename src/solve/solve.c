@@ -224,7 +224,7 @@ static void walk_close(walk *w, cns_result *result)
 {
     if (w->fine) {
         result->steps = cns_flow_steps(cns_trajectory_flow(w->fine));
-        result->events = cns_flow_landings(cns_trajectory_flow(w->fine));
+        result->landings = cns_flow_landings(cns_trajectory_flow(w->fine));
     }
     cns_trajectory_free(w->fine);
     cns_ahead_free(w->coarse);

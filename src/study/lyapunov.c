@@ -195,7 +195,7 @@ cns_code cns_lyapunov(const cns_lyapunov_problem *p, cns_lyapunov_result *result
         }
         result->order = w.order;
         result->steps = cns_flow_steps(w.flow);
-        result->events = cns_flow_landings(w.flow);
+        result->landings = cns_flow_landings(w.flow);
     }
     walk_close(&w);
     return code;

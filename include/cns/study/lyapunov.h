@@ -56,7 +56,7 @@ typedef struct cns_lyapunov_result {
         double se;
     } batch[CNS_LYAPUNOV_COUNTS]; /* over all of T */
     int order;
-    long steps, events;
+    long steps, landings;
 } cns_lyapunov_result;
 
 /* CNS_NUMERIC: a singularity, no dynamic states, or a tangent that vanishes; CNS_STOPPED. */
