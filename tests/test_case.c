@@ -5,6 +5,7 @@
 
 #include "cns/case.h"
 #include "core/memory.h"
+#include "io/case_internal.h"
 #include "support.h"
 
 #define MINIMAL "model: lorenz\ntime: {end: 1}\n"
@@ -167,11 +168,10 @@ START_TEST(reads_numerics)
     ck_assert_int_eq(c->numerics.arithmetic, CNS_ARITH_FAST);
     ck_assert_int_eq(c->numerics.digits, 60);
     ck_assert_int_eq(c->numerics.order, 0);
-    ck_assert(!c->numerics.fixed_step && c->numerics.auto_tolerance);
+    ck_assert(cns_number_sign(&c->numerics.step) == 0 && cns_number_sign(&c->numerics.tolerance) == 0);
     cns_case_free(c);
     c = good(MINIMAL "numerics: {digits: 60, order: 100, step: 1e-3, tolerance: 1e-50}\n", NULL, 0);
     ck_assert_int_eq(c->numerics.order, 100);
-    ck_assert(c->numerics.fixed_step && !c->numerics.auto_tolerance);
     ck_assert_str_eq(c->numerics.step.text, "1e-3");
     ck_assert_str_eq(c->numerics.tolerance.text, "1e-50");
     cns_case_free(c);
@@ -478,6 +478,45 @@ START_TEST(survives_mutations)
 }
 END_TEST
 
+/* What the code that reads and prints values takes for granted of a row. */
+START_TEST(keeps_each_key_in_a_field_of_its_kind)
+{
+    for (int i = 0; i < cns_n_keys; i++) {
+        const cns_key *k = &cns_keys[i], *section = cns_key_section(k);
+        const bool number = k->type == FIELD_NUMBER || k->type == FIELD_DOUBLE;
+        const bool integer = k->type == FIELD_INT || k->type == FIELD_LONG;
+        ck_assert_msg(cns_key_find(k->path) == k, "doubled: %s", k->path);
+        ck_assert_msg((section != NULL) == (strchr(k->path, '.') != NULL), "no section: %s", k->path);
+        ck_assert_msg(section == NULL || (section < k && section->kind == KEY_SECTION), "%s", k->path);
+        switch (k->kind) {
+        case KEY_SECTION:
+            ck_assert_msg(k->type == FIELD_BOOL || k->type == FIELD_NONE, "%s", k->path);
+            break;
+        case KEY_STATE:
+        case KEY_PARAMETER:
+            ck_assert_msg(k->type == FIELD_INT, "%s", k->path);
+            break;
+        case KEY_INTEGER:
+            ck_assert_msg(integer && k->least <= k->most, "%s", k->path);
+            break;
+        case KEY_NUMBER:
+            ck_assert_msg(number && (k->words[0].text == NULL || k->above != NULL), "%s", k->path);
+            break;
+        case KEY_WORD:
+            ck_assert_msg((integer || k->type == FIELD_BOOL) && k->words[1].text != NULL, "%s", k->path);
+            break;
+        default:
+            ck_assert_msg(k->type == FIELD_NONE && k->standard == NULL, "%s", k->path);
+            break;
+        }
+        for (int w = 0; w < CNS_KEY_WORDS && k->kind == KEY_NUMBER; w++)
+            ck_assert_msg(k->words[w].value == 0, "%s", k->path);
+        for (int j = 0; j < i; j++) /* it is initialised and cleared once */
+            ck_assert_msg(k->type != FIELD_NUMBER || cns_keys[j].field != k->field, "%s", k->path);
+    }
+}
+END_TEST
+
 START_TEST(lists_the_keys)
 {
     char *text = NULL;
@@ -516,6 +555,7 @@ Suite *suite_case(void)
     TCase *whole = tcase_create("whole");
     tcase_add_test(whole, prints_what_reads_back);
     tcase_add_test(whole, survives_mutations);
+    tcase_add_test(whole, keeps_each_key_in_a_field_of_its_kind);
     tcase_add_test(whole, lists_the_keys);
     suite_add_tcase(suite, whole);
     return suite;

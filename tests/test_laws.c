@@ -102,10 +102,8 @@ START_TEST(points_by_another_route)
         cns_program *p;
         ck_assert_int_eq(cns_study_program(&study, &p, &o.err), CNS_OK);
         for (int i = 0; i < 2; i++) {
-            const cns_numerics n = {.method = CNS_METHOD_TAYLOR,
-                                    .arithmetic = CNS_ARITH_FAST,
-                                    .digits = 12 + 4 * i,
-                                    .auto_tolerance = true};
+            const cns_numerics n = {
+                .method = CNS_METHOD_TAYLOR, .arithmetic = CNS_ARITH_FAST, .digits = 12 + 4 * i};
             const int until = k == 0 ? CNS_TC_NORM : CNS_TC_STATE(1);
             const cns_tc_request q = {
                 .numerics = &n, .program = p, .truth = p, .delta = &o.c->laws.delta, .until = until};

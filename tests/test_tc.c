@@ -159,11 +159,7 @@ static cns_code measure(const setting *s, const cns_numerics *n, int until, long
 static void numerics_init(cns_numerics *n, long digits, const char *step)
 {
     cns_error err;
-    *n = (cns_numerics){.method = CNS_METHOD_TAYLOR,
-                        .arithmetic = CNS_ARITH_FAST,
-                        .digits = digits,
-                        .fixed_step = step != NULL,
-                        .auto_tolerance = true};
+    *n = (cns_numerics){.method = CNS_METHOD_TAYLOR, .arithmetic = CNS_ARITH_FAST, .digits = digits};
     cns_number_init(&n->step);
     cns_number_init(&n->tolerance);
     if (step)

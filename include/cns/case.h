@@ -14,6 +14,8 @@
 
 CNS_BEGIN_DECLS
 
+#define CNS_CASE_MAX_ROWS 10000000 /* end / every is at most that */
+
 typedef struct cns_case {
     char
         *name; /* of the file, "<stdin>" for standard input; fit for one line: what is no text is '?' in it */

@@ -71,12 +71,10 @@ typedef struct cns_flow_spec {
 typedef struct cns_numerics {
     cns_method method;
     cns_arithmetic arithmetic;
-    long digits; /* 0 with arithmetic double */
-    long order;  /* 0: auto */
-    bool fixed_step;
-    cns_number step; /* > 0 when fixed_step */
-    bool auto_tolerance;
-    cns_number tolerance; /* > 0 unless auto_tolerance */
+    long digits;          /* 0 with arithmetic double */
+    long order;           /* 0: auto */
+    cns_number step;      /* the fixed step, > 0; 0: adaptive */
+    cns_number tolerance; /* > 0; 0: auto, by the digits */
 } cns_numerics;
 
 typedef struct cns_flow cns_flow;

@@ -1,6 +1,7 @@
 #include "text.h"
 
 #include <limits.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "memory.h"
@@ -137,4 +138,15 @@ const char *cns_text_nearest(const char *s, int n, const char *(*name)(int i, co
         }
     }
     return nearest;
+}
+
+void cns_text_list(char *to, size_t size, const char *const *names, int n)
+{
+    size_t used = 0;
+    to[0] = '\0';
+    for (int i = 0; i < n && used < size; i++) {
+        const char *before = i == 0 ? "" : i == n - 1 ? " or " : ", ";
+        const int written = snprintf(to + used, size - used, "%s%s", before, names[i]);
+        used += written > 0 ? (size_t)written : 0;
+    }
 }

@@ -27,6 +27,9 @@ int cns_text_distance(const char *a, const char *b);
 const char *cns_text_nearest(const char *s, int n, const char *(*name)(int i, const void *context),
                              const void *context);
 
+/* "a, b or c", cut where `to` is full. */
+void cns_text_list(char *to, size_t size, const char *const *names, int n);
+
 /* Length of the valid UTF-8 sequence at s (1..4), 0 if it is not one. n > 0 bytes may be read. */
 int cns_utf8_length(const unsigned char *s, size_t n);
 

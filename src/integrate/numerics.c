@@ -76,8 +76,8 @@ cns_flow_spec cns_flow_spec_given(const cns_program *program, const double *scal
     const long digits = n->arithmetic == CNS_ARITH_DOUBLE ? CNS_DOUBLE_DIGITS : n->digits + spare;
     cns_flow_spec spec = cns_flow_spec_taylor(program, scales, n->arithmetic, digits);
     spec.method = n->method;
-    spec.step = n->fixed_step ? &n->step : NULL;
-    if (!n->auto_tolerance) {
+    spec.step = cns_number_sign(&n->step) > 0 ? &n->step : NULL;
+    if (cns_number_sign(&n->tolerance) > 0) {
         mpfr_t x;
         mpfr_init2(x, 64);
         cns_number_get_mpfr(x, &n->tolerance);

@@ -71,7 +71,7 @@ cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err)
         cns_provenance_begin(out, c, "", CNS_PROVENANCE_WHOLE);
     fprintf(out, t->begun ? "# again, with: " : "# method: ");
     print_numerics(out, c, run->digits, run->prec, run->order);
-    if (c->has_numerics && c->numerics.fixed_step)
+    if (c->has_numerics && cns_number_sign(&c->numerics.step) > 0)
         fprintf(out, ", fixed step %s", c->numerics.step.text);
     if (run->proof_prec) {
         fprintf(out, "\n# proof: a second run of ");

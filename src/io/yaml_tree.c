@@ -29,16 +29,20 @@ void cns_faults_add(cns_faults *f, cns_mark mark, const char *format, ...)
     f->kept++;
 }
 
+int cns_mark_order(cns_mark a, cns_mark b)
+{
+    if (a.set != b.set)
+        return a.set < b.set ? -1 : 1;
+    if (a.line != b.line)
+        return a.line < b.line ? -1 : 1;
+    return (a.column > b.column) - (a.column < b.column);
+}
+
 static int order_of_faults(const void *pa, const void *pb)
 {
     const cns_fault *a = pa, *b = pb;
-    if (a->mark.set != b->mark.set)
-        return a->mark.set < b->mark.set ? -1 : 1;
-    if (a->mark.line != b->mark.line)
-        return a->mark.line < b->mark.line ? -1 : 1;
-    if (a->mark.column != b->mark.column)
-        return a->mark.column < b->mark.column ? -1 : 1;
-    return a->number < b->number ? -1 : a->number > b->number;
+    const int order = cns_mark_order(a->mark, b->mark);
+    return order != 0 ? order : (a->number > b->number) - (a->number < b->number);
 }
 
 char *cns_faults_report(cns_faults *f, const char *name, const char *const *sets)
@@ -79,6 +83,12 @@ void cns_faults_clear(cns_faults *f)
 }
 
 /* The tree. */
+
+const char *cns_yaml_kind_name(cns_yaml_kind kind)
+{
+    static const char *const names[] = {"a single value", "a mapping", "a list"};
+    return names[kind];
+}
 
 static cns_yaml_node *new_node(cns_yaml_kind kind, cns_mark mark)
 {

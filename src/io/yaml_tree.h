@@ -19,6 +19,8 @@ typedef struct cns_mark {
     int set;
 } cns_mark;
 
+int cns_mark_order(cns_mark a, cns_mark b); /* < 0: a stands before b; > 0: after it */
+
 typedef struct cns_fault {
     cns_mark mark;
     size_t number; /* in order of discovery */
@@ -41,6 +43,8 @@ char *cns_faults_report(cns_faults *f, const char *name, const char *const *sets
 void cns_faults_clear(cns_faults *f);
 
 typedef enum cns_yaml_kind { CNS_YAML_SCALAR, CNS_YAML_MAPPING, CNS_YAML_SEQUENCE } cns_yaml_kind;
+
+const char *cns_yaml_kind_name(cns_yaml_kind kind); /* for messages: "a mapping" */
 
 typedef struct cns_yaml_node {
     cns_yaml_kind kind;

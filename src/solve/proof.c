@@ -48,7 +48,7 @@ void cns_proof_of_numerics(cns_proof_runs *r, const cns_problem *p, const cns_nu
     r->fine.arithmetic =
         n->method == CNS_METHOD_RK4 || n->arithmetic == CNS_ARITH_MPFR ? CNS_ARITH_MPFR : CNS_ARITH_FAST;
     r->fine.prec = cns_digits_to_bits(r->fine_digits);
-    if (n->fixed_step) {
+    if (cns_number_sign(&n->step) > 0) {
         cns_number_set(&r->half_step, &n->step);
         mpq_div_2exp(r->half_step.ratio, r->half_step.ratio, 1);
         r->fine.step = &r->half_step;

@@ -402,10 +402,7 @@ static cns_code refine(const laws *l, const cns_program *p, const mpfr_t *u1, co
 static cns_code job_flow(const laws *l, const job *j, const cns_program *smooth, falling *precision,
                          cns_flow **flow, cns_error *err)
 {
-    cns_numerics k = {.method = CNS_METHOD_TAYLOR,
-                      .arithmetic = CNS_ARITH_FAST,
-                      .digits = j->digits,
-                      .auto_tolerance = true};
+    cns_numerics k = {.method = CNS_METHOD_TAYLOR, .arithmetic = CNS_ARITH_FAST, .digits = j->digits};
     cns_flow_spec spec;
     switch (j->kind) {
     case JOB_DIGITS:

@@ -1,0 +1,416 @@
+/* Each key of a case file by itself: its value against its row in the table. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "case_internal.h"
+#include "core/memory.h"
+#include "core/text.h"
+
+/* Sets of names, for suggestions and messages. */
+
+enum { MAX_NAMES = 256 }; /* parameters, or columns, of a model; or keys */
+
+typedef struct name_set {
+    int count;
+    const char *names[MAX_NAMES];
+} name_set;
+
+static void add_name(name_set *s, const char *name)
+{
+    if (s->count < MAX_NAMES)
+        s->names[s->count++] = name;
+}
+
+static const char *name_at(int i, const void *context)
+{
+    return ((const name_set *)context)->names[i];
+}
+
+/* Index of a name in a set, -1 when it is not there. */
+static int find_name(const name_set *s, const char *name)
+{
+    for (int i = 0; i < s->count; i++)
+        if (strcmp(s->names[i], name) == 0)
+            return i;
+    return -1;
+}
+
+static void add_states(name_set *s, const cns_model *m)
+{
+    for (int i = 0; i < m->n_states; i++)
+        add_name(s, m->states[i].name);
+}
+
+static void add_parameters(name_set *s, const cns_model *m)
+{
+    for (int i = 0; i < m->n_parameters; i++)
+        add_name(s, m->parameters[i].name);
+}
+
+static void add_words(name_set *s, const cns_key *k)
+{
+    for (int i = 0; i < CNS_KEY_WORDS && k->words[i].text != NULL; i++)
+        add_name(s, k->words[i].text);
+}
+
+/* Reports an unknown name with the likely one, which is returned, or else with all. `what` says "key",
+ * `where` " in 'time'" or " of model apw" or nothing. */
+static const char *unknown_name(cns_case_reader *r, cns_mark mark, const char *what, const char *name,
+                                const char *where, const name_set *known)
+{
+    const char *nearest = cns_text_nearest(name, known->count, name_at, known);
+    char list[512];
+    cns_text_list(list, sizeof list, known->names, known->count);
+    if (nearest != NULL)
+        cns_faults_add(&r->faults, mark, "unknown %s '%s'%s; did you mean '%s'?", what, cns_quote(name).text,
+                       where, nearest);
+    else if (known->count > 0)
+        cns_faults_add(&r->faults, mark, "unknown %s '%s'%s; use %s", what, cns_quote(name).text, where,
+                       list);
+    else
+        cns_faults_add(&r->faults, mark, "unknown %s '%s'%s; there are none", what, cns_quote(name).text,
+                       where);
+    return nearest;
+}
+
+static void unknown_of_model(cns_case_reader *r, cns_mark mark, const char *what, const char *name,
+                             const name_set *known)
+{
+    char where[64];
+    snprintf(where, sizeof where, " of model %s", r->c->model->name);
+    unknown_name(r, mark, what, name, where, known);
+}
+
+/* Nodes. */
+
+/* Is the node of this kind, and not empty? Else a fault that says what is wanted. */
+static bool is_a(cns_case_reader *r, const cns_yaml_node *node, cns_yaml_kind kind, const char *title,
+                 const char *wanted)
+{
+    if (node->kind == CNS_YAML_SCALAR && node->text[0] == '\0')
+        cns_faults_add(&r->faults, node->mark, "%s has no value; it must be %s", title, wanted);
+    else if (node->kind != kind)
+        cns_faults_add(&r->faults, node->mark, "%s must be %s, not %s", title, wanted,
+                       cns_yaml_kind_name(node->kind));
+    else
+        return true;
+    return false;
+}
+
+static bool is_mapping(cns_case_reader *r, const cns_yaml_node *node, const char *title)
+{
+    return is_a(r, node, CNS_YAML_MAPPING, title, "a mapping of keys to values");
+}
+
+/* Single values: each reads the node's text into the field, or reports why not. */
+
+static bool refuse(cns_case_reader *r, const cns_key *k, const cns_yaml_node *node, const char *meant)
+{
+    cns_faults_add(&r->faults, node->mark, "%s must be %s, not '%s'%s%s%s", cns_key_title(k).text,
+                   cns_key_range(k).text, cns_quote(node->text).text, meant != NULL ? "; did you mean '" : "",
+                   meant != NULL ? meant : "", meant != NULL ? "'?" : "");
+    return false;
+}
+
+static bool read_integer(cns_case_reader *r, const cns_key *k, const cns_yaml_node *node)
+{
+    const char *digits = node->text + (node->text[0] == '-');
+    const size_t n = strspn(digits, "0123456789");
+    if (n == 0 || digits[n] != '\0' || (n > 1 && digits[0] == '0'))
+        return refuse(r, k, node, NULL);
+    const long value = strtol(node->text, NULL, 10); /* too long for it: an end, outside every range here */
+    if (value < k->least || value > k->most)
+        return refuse(r, k, node, NULL);
+    cns_key_put(k, r->c, value);
+    return true;
+}
+
+bool cns_case_within(const cns_number *x, const char *above, const char *below)
+{
+    cns_number limit;
+    cns_number_init(&limit);
+    bool good = true;
+    if (above != NULL && cns_number_parse(&limit, above, NULL) == CNS_OK)
+        good = cns_number_cmp(x, &limit) > 0;
+    if (good && below != NULL && cns_number_parse(&limit, below, NULL) == CNS_OK)
+        good = cns_number_cmp(x, &limit) < 0;
+    cns_number_clear(&limit);
+    return good;
+}
+
+static bool read_number(cns_case_reader *r, const cns_key *k, const cns_yaml_node *node)
+{
+    cns_number x;
+    cns_error err;
+    bool good = false;
+    cns_number_init(&x);
+    if (cns_number_parse(&x, node->text, &err) != CNS_OK)
+        cns_faults_add(&r->faults, node->mark, "%s must be %s; %s", cns_key_title(k).text,
+                       cns_key_range(k).text, err.text);
+    else if (k->rational && x.pi_power != 0)
+        cns_faults_add(&r->faults, node->mark, "%s must be a decimal or a fraction, not '%s'",
+                       cns_key_title(k).text, cns_quote(node->text).text);
+    else
+        good = cns_case_within(&x, k->above, k->below) || refuse(r, k, node, NULL);
+    if (good && k->type == FIELD_DOUBLE)
+        *(double *)cns_key_field(k, r->c) = cns_number_get_d(&x);
+    else if (good)
+        cns_number_set(cns_key_field(k, r->c), &x);
+    cns_number_clear(&x);
+    return good;
+}
+
+static bool read_word(cns_case_reader *r, const cns_key *k, const cns_yaml_node *node)
+{
+    name_set words = {0};
+    add_words(&words, k);
+    return refuse(r, k, node, cns_text_nearest(node->text, words.count, name_at, &words));
+}
+
+/* The name of a state or parameter; what names there are is not known without a model. */
+static bool read_name(cns_case_reader *r, const cns_key *k, const cns_yaml_node *node)
+{
+    const cns_model *m = r->c->model;
+    name_set known = {0};
+    if (m == NULL)
+        return false;
+    if (k->kind == KEY_STATE)
+        add_states(&known, m);
+    else
+        add_parameters(&known, m);
+    const int i = find_name(&known, node->text);
+    if (i >= 0) {
+        cns_key_put(k, r->c, i);
+        return true;
+    }
+    add_words(&known, k);
+    unknown_of_model(r, node->mark, k->kind == KEY_STATE ? "state" : "parameter", node->text, &known);
+    return false;
+}
+
+static bool read_value(cns_case_reader *r, const cns_key *k, const cns_yaml_node *node)
+{
+    if (!is_a(r, node, CNS_YAML_SCALAR, cns_key_title(k).text, cns_key_range(k).text))
+        return false;
+    const cns_key_word *word = cns_key_word_named(k, node->text);
+    if (word != NULL) {
+        cns_key_put(k, r->c, word->value);
+        return true;
+    }
+    switch (k->kind) {
+    case KEY_INTEGER:
+        return read_integer(r, k, node);
+    case KEY_NUMBER:
+        return read_number(r, k, node);
+    case KEY_STATE:
+    case KEY_PARAMETER:
+        return read_name(r, k, node);
+    default:
+        return read_word(r, k, node);
+    }
+}
+
+/* What is not a single value. */
+
+static bool read_model(cns_case_reader *r, const cns_yaml_node *node)
+{
+    if (!is_a(r, node, CNS_YAML_SCALAR, "'model'", "the name of a model"))
+        return false;
+    r->c->model = cns_model_find(node->text);
+    if (r->c->model != NULL)
+        return true;
+    name_set known = {0};
+    for (int i = 0; i < cns_model_count(); i++)
+        add_name(&known, cns_model_at(i)->name);
+    unknown_name(r, node->mark, "model", node->text, "", &known);
+    return false;
+}
+
+/* `parameters` and `initial`: numbers by the names of the model. Without a model the numbers are still
+ * checked, into nothing. */
+static bool read_numbers(cns_case_reader *r, const cns_key *k, const cns_yaml_node *section)
+{
+    const cns_model *m = r->c->model;
+    const bool parameters = k->kind == KEY_PARAMETERS;
+    cns_number *values = parameters ? r->c->parameters : r->c->initial, spare;
+    name_set known = {0};
+    if (!is_mapping(r, section, cns_key_title(k).text))
+        return false;
+    if (m != NULL && parameters)
+        add_parameters(&known, m);
+    else if (m != NULL)
+        add_states(&known, m);
+    cns_number_init(&spare);
+    for (const cns_yaml_node *node = section->first; node != NULL; node = node->next) {
+        if (node->refused)
+            continue;
+        const int i = find_name(&known, node->key);
+        if (m != NULL && i < 0)
+            unknown_of_model(r, node->key_mark, parameters ? "parameter" : "state", node->key, &known);
+        char title[CNS_QUOTE + 32];
+        snprintf(title, sizeof title, "'%s' in '%s'", cns_quote(node->key).text, k->path);
+        cns_number *value = i >= 0 ? &values[i] : &spare;
+        const char *minimum = i >= 0 && parameters ? m->parameters[i].minimum : NULL;
+        cns_error err;
+        if (!is_a(r, node, CNS_YAML_SCALAR, title, "a number"))
+            continue;
+        if (cns_number_parse(value, node->text, &err) != CNS_OK)
+            cns_faults_add(&r->faults, node->mark, "%s: %s", title, err.text);
+        else if (!cns_case_within(value, minimum, NULL))
+            cns_faults_add(&r->faults, node->mark, "%s must be > %s for model %s, not '%s'", title, minimum,
+                           m->name, cns_quote(node->text).text);
+    }
+    cns_number_clear(&spare);
+    return true;
+}
+
+cns_column cns_case_column(const cns_model *m, int i)
+{
+    if (i == 0)
+        return (cns_column){CNS_COLUMN_TIME, 0};
+    if (i <= m->n_states)
+        return (cns_column){CNS_COLUMN_STATE, i - 1};
+    return (cns_column){CNS_COLUMN_OUTPUT, i - 1 - m->n_states};
+}
+
+static bool read_columns(cns_case_reader *r, const cns_key *k, const cns_yaml_node *list)
+{
+    cns_case *c = r->c;
+    const cns_model *m = c->model;
+    name_set known = {1, {"t"}};
+    bool seen[MAX_NAMES] = {false};
+    if (list->kind != CNS_YAML_SEQUENCE || list->first == NULL) {
+        cns_faults_add(&r->faults, list->mark, "%s must be a list of names, such as [t, x]",
+                       cns_key_title(k).text);
+        return false;
+    }
+    if (m == NULL)
+        return false;
+    add_states(&known, m);
+    for (int i = 0; i < m->n_outputs; i++)
+        add_name(&known, m->outputs[i].name);
+    c->columns = cns_xalloc((size_t)known.count, sizeof *c->columns);
+    for (const cns_yaml_node *node = list->first; node != NULL; node = node->next) {
+        if (node->refused || !is_a(r, node, CNS_YAML_SCALAR, "a column", "a name"))
+            continue;
+        const int i = find_name(&known, node->text);
+        if (i < 0 && (strcmp(node->text, "decimals") == 0 || strcmp(node->text, "growth") == 0)) {
+            cns_faults_add(&r->faults, node->mark, "column '%s' is always printed, last; leave it out",
+                           node->text);
+        } else if (i < 0) {
+            unknown_of_model(r, node->mark, "column", node->text, &known);
+        } else if (seen[i]) {
+            cns_faults_add(&r->faults, node->mark, "doubled column '%s'", node->text);
+        } else {
+            seen[i] = true;
+            c->columns[c->n_columns++] = cns_case_column(m, i);
+        }
+    }
+    return true;
+}
+
+/* Sections. */
+
+static void check_keys(cns_case_reader *r, const cns_key *section, const cns_yaml_node *mapping);
+
+static bool read_section(cns_case_reader *r, const cns_key *k, const cns_yaml_node *node)
+{
+    if (node->kind == CNS_YAML_SCALAR && k->words[0].text != NULL)
+        return read_value(r, k, node);
+    if (!is_mapping(r, node, cns_key_title(k).text))
+        return false;
+    cns_key_put(k, r->c, true);
+    check_keys(r, k, node);
+    return true;
+}
+
+static bool read_key(cns_case_reader *r, const cns_key *k, const cns_yaml_node *node)
+{
+    switch (k->kind) {
+    case KEY_SECTION:
+        return read_section(r, k, node);
+    case KEY_MODEL:
+        return r->c->model != NULL; /* it was read before all others, which need it */
+    case KEY_PARAMETERS:
+    case KEY_INITIAL:
+        return read_numbers(r, k, node);
+    case KEY_COLUMNS:
+        return read_columns(r, k, node);
+    default:
+        return read_value(r, k, node);
+    }
+}
+
+/* The row of the key of this name in a section, NULL being the top. */
+static const cns_key *find_in(const cns_key *section, const char *name)
+{
+    for (const cns_key *k = cns_keys; k < cns_keys + cns_n_keys; k++)
+        if (strcmp(cns_key_name(k), name) == 0 && cns_key_section(k) == section)
+            return k;
+    return NULL;
+}
+
+/* Reports a key that has no row in this section. Returns the row of the key that was likely meant, or NULL.
+ */
+static const cns_key *unknown_key(cns_case_reader *r, const cns_key *section, const cns_yaml_node *node)
+{
+    char where[64] = "";
+    name_set known = {0};
+    if (section != NULL)
+        snprintf(where, sizeof where, " in '%s'", section->path);
+    for (const cns_key *k = cns_keys; k < cns_keys + cns_n_keys; k++) {
+        const cns_key *home = cns_key_section(k);
+        if (strcmp(cns_key_name(k), node->key) == 0) {
+            if (home != NULL)
+                cns_faults_add(&r->faults, node->key_mark, "unknown key '%s'%s; it belongs in '%s'",
+                               node->key, where, home->path);
+            else
+                cns_faults_add(&r->faults, node->key_mark,
+                               "unknown key '%s'%s; it belongs at the top, not indented", node->key, where);
+            return NULL;
+        }
+        if (home == section)
+            add_name(&known, cns_key_name(k));
+    }
+    const char *meant = unknown_name(r, node->key_mark, "key", node->key, where, &known);
+    return meant != NULL ? find_in(section, meant) : NULL;
+}
+
+static void check_keys(cns_case_reader *r, const cns_key *section, const cns_yaml_node *mapping)
+{
+    for (const cns_yaml_node *node = mapping->first; node != NULL; node = node->next) {
+        const cns_key *k = find_in(section, node->key);
+        const bool readable = k != NULL && !node->refused;
+        if (k == NULL && !node->refused)
+            k = unknown_key(r, section, node);
+        if (k == NULL)
+            continue;
+        struct cns_key_seen *seen = &r->seen[k - cns_keys];
+        if (readable)
+            *seen = (struct cns_key_seen){node, read_key(r, k, node)};
+        else if (seen->node == NULL)
+            seen->node = node; /* misspelt, or refused: at least it is not missing as well */
+    }
+}
+
+void cns_case_check(cns_case_reader *r)
+{
+    cns_case *c = r->c;
+    const cns_yaml_node *model = cns_yaml_find(r->root, "model");
+    if (model != NULL && !model->refused && read_model(r, model)) {
+        c->parameters = cns_xalloc((size_t)c->model->n_parameters, sizeof *c->parameters);
+        c->initial = cns_xalloc((size_t)c->model->n_states, sizeof *c->initial);
+        for (int i = 0; i < c->model->n_parameters; i++) {
+            cns_number_init(&c->parameters[i]);
+            if (c->model->parameters[i].standard != NULL)
+                cns_number_parse(&c->parameters[i], c->model->parameters[i].standard, NULL);
+        }
+        for (int i = 0; i < c->model->n_states; i++)
+            cns_number_init(&c->initial[i]);
+    }
+    for (const cns_key *k = cns_keys; k < cns_keys + cns_n_keys; k++)
+        if (k->standard != NULL)
+            read_value(r, k, &(cns_yaml_node){.kind = CNS_YAML_SCALAR, .text = (char *)k->standard});
+    check_keys(r, NULL, r->root);
+}

@@ -1,0 +1,259 @@
+/* Rules between keys: what must be given, what excludes what, and values that follow from those of others. */
+#include <assert.h>
+#include <stdlib.h>
+
+#include "case_internal.h"
+#include "core/memory.h"
+
+#define TEXT_OF(x)  #x
+#define TEXT_OF2(x) TEXT_OF(x)
+#define LIMIT_STEPS 1e15 /* of a fixed step up to the end: a month of the fastest is far below */
+
+static const cns_key *key(const char *path)
+{
+    const cns_key *k = cns_key_find(path);
+    assert(k != NULL);
+    return k;
+}
+
+/* Where the key stands in the file; NULL: nowhere. */
+static const cns_yaml_node *node_of(const cns_case_reader *r, const cns_key *k)
+{
+    return r->seen[k - cns_keys].node;
+}
+
+static bool present(const cns_case_reader *r, const char *path)
+{
+    return node_of(r, key(path)) != NULL;
+}
+
+/* Present, and as its row allows. */
+static bool given(const cns_case_reader *r, const char *path)
+{
+    return r->seen[key(path) - cns_keys].good;
+}
+
+/* Where a fault about a key is shown: at its value, else at its section, else at the top. */
+static cns_mark place_of(const cns_case_reader *r, const char *path)
+{
+    const cns_key *k = key(path);
+    if (node_of(r, k) != NULL)
+        return node_of(r, k)->mark;
+    while ((k = cns_key_section(k)) != NULL)
+        if (node_of(r, k) != NULL)
+            return node_of(r, k)->key_mark;
+    return r->root->mark;
+}
+
+/* Where a fault is shown that the key itself is, whatever its value; it is present. */
+static cns_mark key_place(const cns_case_reader *r, const char *path)
+{
+    return node_of(r, key(path))->key_mark;
+}
+
+static void require(cns_case_reader *r, const char *path)
+{
+    const cns_key *k = key(path);
+    if (!present(r, path))
+        cns_faults_add(&r->faults, place_of(r, path), "missing key %s%s%s", cns_key_title(k).text,
+                       cns_key_section(k) != NULL ? ": " : "",
+                       cns_key_section(k) != NULL ? cns_key_range(k).text : "");
+}
+
+/* Is end / part > limit? To 128 bits. */
+static bool quotient_above(const cns_number *end, const cns_number *part, double limit)
+{
+    mpfr_t q, d;
+    mpfr_init2(q, 128);
+    mpfr_init2(d, 128);
+    cns_number_get_mpfr(q, end);
+    cns_number_get_mpfr(d, part);
+    mpfr_div(q, q, d, MPFR_RNDN);
+    const bool above = mpfr_cmp_d(q, limit) > 0;
+    mpfr_clear(q);
+    mpfr_clear(d);
+    return above;
+}
+
+static void parameters_without_default(cns_case_reader *r)
+{
+    const cns_model *m = r->c->model;
+    const cns_yaml_node *node = node_of(r, key("parameters"));
+    for (int i = 0; m != NULL && i < m->n_parameters; i++)
+        if (m->parameters[i].standard == NULL && cns_yaml_find(node, m->parameters[i].name) == NULL)
+            cns_faults_add(&r->faults, node != NULL ? node->key_mark : r->root->mark,
+                           "missing parameter '%s': model %s has no default for it", m->parameters[i].name,
+                           m->name);
+}
+
+static void rows_of_table(cns_case_reader *r)
+{
+    cns_case *c = r->c;
+    if (given(r, "time.end") && !given(r, "time.every"))
+        cns_number_set(&c->every, &c->end);
+    if (given(r, "time.end") && quotient_above(&c->end, &c->every, CNS_CASE_MAX_ROWS))
+        cns_faults_add(&r->faults, place_of(r, "time.every"),
+                       "'every' in 'time' makes more than %d rows up to the end", CNS_CASE_MAX_ROWS);
+}
+
+static void columns_of_table(cns_case_reader *r)
+{
+    cns_case *c = r->c;
+    if (c->n_columns > 0 || c->model == NULL)
+        return;
+    free(c->columns);
+    c->n_columns = 1 + c->model->n_states;
+    c->columns = cns_xalloc((size_t)c->n_columns, sizeof *c->columns);
+    for (int i = 0; i < c->n_columns; i++)
+        c->columns[i] = cns_case_column(c->model, i);
+}
+
+static void goal_or_numerics(cns_case_reader *r)
+{
+    if (!present(r, "goal") || !present(r, "numerics"))
+        return;
+    const cns_mark goal = key_place(r, "goal"), numerics = key_place(r, "numerics");
+    cns_faults_add(&r->faults, cns_mark_order(goal, numerics) > 0 ? goal : numerics,
+                   "'goal' and 'numerics' exclude each other: keep one");
+}
+
+static void goal(cns_case_reader *r)
+{
+    cns_goal *g = &r->c->goal;
+    const bool significant = present(r, "goal.significant");
+    const char *asked = significant ? "goal.significant" : "goal.decimals";
+    if (!given(r, "goal"))
+        return;
+    if (!present(r, asked))
+        cns_faults_add(&r->faults, key_place(r, "goal"),
+                       "missing key in 'goal': 'decimals' or 'significant'");
+    else if (significant && present(r, "goal.decimals"))
+        cns_faults_add(&r->faults, key_place(r, asked),
+                       "'goal' takes either 'decimals' or 'significant', not both");
+    g->places = significant ? CNS_PLACES_SIGNIFICANT : CNS_PLACES_DECIMALS;
+    if (given(r, asked)) /* again: both keys have the same field */
+        g->count = strtol(node_of(r, key(asked))->text, NULL, 10);
+    const bool limit_good = given(r, "goal.max_digits") || !present(r, "goal.max_digits");
+    if (given(r, asked) && limit_good && g->count > g->max_digits)
+        cns_faults_add(&r->faults, place_of(r, asked), "%s is above 'max_digits' (%ld%s)",
+                       cns_key_title(key(asked)).text, g->max_digits,
+                       given(r, "goal.max_digits") ? "" : ", its default");
+}
+
+/* The order that Runge-Kutta's method has, for a key that may ask for none or for just that. */
+static long order_of_rk4(cns_case_reader *r, const char *path, long order)
+{
+    if (order != 0 && order != 4)
+        cns_faults_add(&r->faults, place_of(r, path), "'order' of 'method: rk4' is 4 (or auto)");
+    return 4;
+}
+
+static void no_digits_in_double(cns_case_reader *r, const char *path)
+{
+    cns_faults_add(&r->faults, key_place(r, path),
+                   "'digits' does not go with 'arithmetic: double', which has its own 53 bits");
+}
+
+static void numerics(cns_case_reader *r)
+{
+    cns_numerics *n = &r->c->numerics;
+    if (!given(r, "numerics"))
+        return;
+    if (!given(r, "numerics.arithmetic"))
+        n->arithmetic = n->method == CNS_METHOD_RK4 ? CNS_ARITH_MPFR : CNS_ARITH_FAST;
+    const bool fixed_step = cns_number_sign(&n->step) > 0;
+    /* After a bad method or arithmetic, rules about it would only mislead. */
+    const bool method_known = given(r, "numerics.method") || !present(r, "numerics.method");
+    const bool known = given(r, "numerics.arithmetic") || !present(r, "numerics.arithmetic");
+    const bool in_double = known && n->arithmetic == CNS_ARITH_DOUBLE;
+    if (in_double && present(r, "numerics.digits"))
+        no_digits_in_double(r, "numerics.digits");
+    if (known && !in_double)
+        require(r, "numerics.digits");
+    if (n->method == CNS_METHOD_RK4) {
+        if (!present(r, "numerics.step") || (given(r, "numerics.step") && !fixed_step))
+            cns_faults_add(&r->faults, place_of(r, "numerics.step"),
+                           "'method: rk4' needs a fixed 'step', such as 1e-3");
+        if (known && n->arithmetic == CNS_ARITH_FAST)
+            cns_faults_add(&r->faults, place_of(r, "numerics.arithmetic"),
+                           "'method: rk4' computes in mpfr or double");
+        n->order = order_of_rk4(r, "numerics.order", n->order);
+        if (cns_number_sign(&n->tolerance) > 0)
+            cns_faults_add(&r->faults, key_place(r, "numerics.tolerance"),
+                           "'tolerance' does not go with 'method: rk4', whose step is fixed");
+    } else if (method_known && in_double && n->order > CNS_DOUBLE_MAX_ORDER) {
+        cns_faults_add(&r->faults, place_of(r, "numerics.order"),
+                       "'order' is at most %d with 'arithmetic: double'", CNS_DOUBLE_MAX_ORDER);
+    }
+    if (fixed_step && given(r, "time.end") && quotient_above(&r->c->end, &n->step, LIMIT_STEPS))
+        cns_faults_add(&r->faults, place_of(r, "numerics.step"),
+                       "'step' makes more than " TEXT_OF2(LIMIT_STEPS) " steps up to the end");
+}
+
+/* Two ends of a range: numbers must differ, integers may be the same. */
+static void ends(cns_case_reader *r, const char *from, const char *to, bool upwards)
+{
+    const cns_key *a = key(from), *b = key(to);
+    if (!given(r, from) || !given(r, to))
+        return;
+    const bool integers = a->kind == KEY_INTEGER;
+    const long x = cns_key_get(a, r->c), y = cns_key_get(b, r->c);
+    const int order =
+        integers ? (x > y) - (x < y) : cns_number_cmp(cns_key_field(a, r->c), cns_key_field(b, r->c));
+    if (order == (upwards ? 1 : -1) || (order == 0 && !integers))
+        cns_faults_add(&r->faults, place_of(r, to), "%s must be %s %s", cns_key_title(b).text,
+                       upwards ? "above" : "below", cns_key_title(a).text);
+}
+
+static void laws(cns_case_reader *r)
+{
+    cns_laws_spec *l = &r->c->laws;
+    ends(r, "laws.digits.from", "laws.digits.to", true);
+    if (l->has_steps && l->steps.method == CNS_METHOD_RK4)
+        l->steps.order = order_of_rk4(r, "laws.steps.order", l->steps.order);
+    ends(r, "laws.steps.from", "laws.steps.to", false);
+    ends(r, "laws.smoothing.from", "laws.smoothing.to", false);
+}
+
+static void lyapunov(cns_case_reader *r)
+{
+    cns_lyapunov_spec *l = &r->c->lyapunov;
+    if (l->arithmetic != CNS_ARITH_DOUBLE)
+        return;
+    l->digits = 0;
+    if (given(r, "lyapunov.digits"))
+        no_digits_in_double(r, "lyapunov.digits");
+}
+
+static void bisect(cns_case_reader *r)
+{
+    static const char *const bracket[] = {"bisect.lower", "bisect.upper"};
+    const cns_case *c = r->c;
+    ends(r, bracket[0], bracket[1], true);
+    if (!given(r, "bisect.parameter"))
+        return;
+    const char *minimum = c->model->parameters[c->bisect.parameter].minimum;
+    for (int i = 0; i < 2; i++)
+        if (given(r, bracket[i]) &&
+            !cns_case_within(i == 0 ? &c->bisect.lower : &c->bisect.upper, minimum, NULL))
+            cns_faults_add(&r->faults, place_of(r, bracket[i]), "%s must be > %s for model %s",
+                           cns_key_title(key(bracket[i])).text, minimum, c->model->name);
+}
+
+void cns_case_apply_rules(cns_case_reader *r)
+{
+    parameters_without_default(r);
+    laws(r);
+    for (const cns_key *k = cns_keys; k < cns_keys + cns_n_keys; k++)
+        if (k->required && (cns_key_section(k) == NULL || given(r, cns_key_section(k)->path)))
+            require(r, k->path);
+    rows_of_table(r);
+    columns_of_table(r);
+    if (r->c->smooth)
+        require(r, "abs.smooth");
+    goal_or_numerics(r);
+    goal(r);
+    numerics(r);
+    lyapunov(r);
+    bisect(r);
+}
