@@ -92,6 +92,32 @@ cns_program *model_program(const char *model, const char *smooth)
     return p;
 }
 
+cns_model unit_model(int n, void (*build)(cns_program *p, const cns_model *model), const void *data)
+{
+    static const cns_model_state states[] = {{"x0", "", 1}, {"x1", "", 1}, {"x2", "", 1},
+                                             {"x3", "", 1}, {"x4", "", 1}, {"x5", "", 1}};
+    ck_assert_int_le(n, (int)(sizeof states / sizeof *states));
+    return (cns_model){.name = "test", .n_states = n, .states = states, .build = build, .data = data};
+}
+
+cns_system *system_new(const cns_model *m, const cns_setting *settings)
+{
+    static const cns_setting none[] = {{NULL, NULL}};
+    cns_error err;
+    cns_system *s = cns_system_parse(m, settings ? settings : none, &err);
+    if (!s)
+        ck_abort_msg("no system: %s", err.text);
+    return s;
+}
+
+cns_system *unit_system(const cns_model *m, const char *const *initial)
+{
+    cns_setting settings[7] = {{NULL, NULL}};
+    for (int i = 0; i < m->n_states; i++)
+        settings[i] = (cns_setting){m->states[i].name, initial[i]};
+    return system_new(m, settings);
+}
+
 cns_jet *jet_new(const cns_program *p, const cns_arith_ops *ops, int order, mpfr_prec_t prec)
 {
     cns_jet_spec spec = {.program = p, .ops = ops, .order = order, .prec = prec};

@@ -7,6 +7,7 @@
 #include "cns/flow.h"
 #include "cns/model.h"
 #include "cns/program.h"
+#include "cns/system.h"
 #include "support.h"
 #include "taylor/jet.h"
 
@@ -27,6 +28,16 @@ cns_program *finished(cns_program *p);                      /* p, finished witho
 
 /* A model with its default parameters. */
 cns_program *model_program(const char *model, const char *smooth);
+
+/* A model of n states of scale 1, without parameters, whose right-hand sides `build` writes from data. */
+cns_model unit_model(int n, void (*build)(cns_program *p, const cns_model *model), const void *data);
+
+/* A system with the model's default parameters, those settings apart (NULL: none); the test fails on errors.
+ */
+cns_system *system_new(const cns_model *m, const cns_setting *settings);
+
+/* The same of unit_model(), with these initial states. */
+cns_system *unit_system(const cns_model *m, const char *const *initial);
 
 cns_jet *jet_new(const cns_program *p, const cns_arith_ops *ops, int order, mpfr_prec_t prec);
 

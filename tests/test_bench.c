@@ -8,10 +8,10 @@
 #include "integrate/numerics.h"
 #include "support.h"
 
-static cns_bench_problem *problem(cns_bench_system system)
+static cns_system *problem(cns_bench_system system)
 {
     cns_error err;
-    cns_bench_problem *p = cns_bench_problem_new(system, &err);
+    cns_system *p = cns_bench_system_new(system, &err);
     ck_assert_msg(p != NULL, "%s", err.text);
     return p;
 }
@@ -30,8 +30,8 @@ END_TEST
 /* A planted difference is told to a tenth of a digit, in dynamic states only. */
 START_TEST(agreement)
 {
-    cns_bench_problem *p = problem(CNS_BENCH_APW);
-    const int n = cns_bench_states(p);
+    cns_system *p = problem(CNS_BENCH_APW);
+    const int n = cns_program_states(cns_system_program(p));
     mpfr_t x[8], y[8];
     for (int i = 0; i < n; i++) {
         mpfr_init2(x[i], 200);
@@ -50,7 +50,7 @@ START_TEST(agreement)
         mpfr_clear(x[i]);
         mpfr_clear(y[i]);
     }
-    cns_bench_problem_free(p);
+    cns_system_free(p);
 }
 END_TEST
 
@@ -62,7 +62,7 @@ START_TEST(engines)
     cns_error err;
     setenv("CNS_KERNEL", "portable", 1);
     for (int s = 0; s < CNS_BENCH_SYSTEMS; s++) {
-        cns_bench_problem *p = problem((cns_bench_system)s);
+        cns_system *p = problem((cns_bench_system)s);
         cns_bench_run runs[CNS_BENCH_ENGINES] = {{0}}, truth = {0};
         ck_assert_int_eq(cns_bench_reference(p, DIGITS, 0.7, NULL, &truth, &err), CNS_OK);
         for (int e = 0; e < CNS_BENCH_ENGINES; e++) {
@@ -91,7 +91,7 @@ START_TEST(engines)
         for (int e = 0; e < CNS_BENCH_ENGINES; e++)
             cns_bench_run_clear(&runs[e]);
         cns_bench_run_clear(&truth);
-        cns_bench_problem_free(p);
+        cns_system_free(p);
     }
 }
 END_TEST
@@ -110,7 +110,8 @@ START_TEST(budget)
         ck_assert_int_eq(rows[1].cells[e].runs, 0);
     }
     static volatile sig_atomic_t stop = 1;
-    spec.stop = &stop;
+    const cns_monitor stopped = {.stop = &stop};
+    spec.monitor = &stopped;
     ck_assert_int_eq(cns_bench_fill(&spec, rows, 1, &err), CNS_STOPPED);
 }
 END_TEST

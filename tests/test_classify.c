@@ -12,8 +12,9 @@
 #define PI 3.14159265358979323846
 
 /* A limit cycle at radius 1 with angular frequency w = 2. */
-static void build_hopf(cns_program *p)
+static void build_hopf(cns_program *p, const cns_model *model)
 {
+    (void)model;
     cns_node x = cns_state(p, 0), y = cns_state(p, 1), w = cns_constant(p, "2");
     cns_node pull = cns_sub(p, cns_constant(p, "1"), cns_add(p, cns_sqr(p, x), cns_sqr(p, y)));
     cns_derivative(p, 0, cns_sub(p, cns_mul(p, pull, x), cns_mul(p, w, y)));
@@ -21,8 +22,9 @@ static void build_hopf(cns_program *p)
 }
 
 /* x'' = -x - g x' */
-static void build_oscillator(cns_program *p)
+static void build_oscillator(cns_program *p, const cns_model *model)
 {
+    (void)model;
     cns_node x = cns_state(p, 0), v = cns_state(p, 1);
     cns_derivative(p, 0, v);
     cns_derivative(p, 1, cns_neg(p, cns_add(p, x, cns_mul(p, cns_parameter(p, 0), v))));
@@ -31,8 +33,9 @@ static void build_oscillator(cns_program *p)
 /* The pendulum pulled to the energy E0: theta' = w, w' = -sin theta + (E0 - w^2/2 + cos theta) w. On its
  * limit cycle it is the pendulum of that energy: k = sqrt((1 + E0)/2) gives it the period 4 K(k) if it
  * swings, and 2 K(1/k)/k if it goes round. A passive state falls with w^2 - 1 - E0. */
-static void build_pendulum(cns_program *p)
+static void build_pendulum(cns_program *p, const cns_model *model)
 {
+    (void)model;
     cns_node theta = cns_state(p, 0), w = cns_state(p, 1), sine, cosine, e0 = cns_parameter(p, 0);
     cns_sincos(p, theta, &sine, &cosine);
     cns_node half = cns_mul(p, cns_constant(p, "1/2"), cns_sqr(p, w));
@@ -44,8 +47,9 @@ static void build_pendulum(cns_program *p)
 
 /* theta' = w drawn to 2 + cos theta, whose revolution takes 2 pi / sqrt(3); (p, q) is drawn to a circle and
  * its phase to theta/2 or theta/2 + pi, so that two revolutions repeat it, one does not. */
-static void build_doubled(cns_program *p)
+static void build_doubled(cns_program *p, const cns_model *model)
 {
+    (void)model;
     cns_node theta = cns_state(p, 0), w = cns_state(p, 1), a = cns_state(p, 2), b = cns_state(p, 3), sine,
              cosine;
     cns_sincos(p, theta, &sine, &cosine);
@@ -96,33 +100,23 @@ static const cns_model doubled = {.name = "doubled",
                                   .motion = &turns_only,
                                   .build = build_doubled};
 
-static cns_study study_of(const cns_model *m, const char *parameter, const char *const *initial)
+static cns_system *system_of(const cns_model *m, const char *parameter, const char *const *initial)
 {
-    static volatile sig_atomic_t stop;
-    const cns_study s = {.model = m,
-                         .parameters = numbers_new(1, &parameter),
-                         .initial = numbers_new(m->n_states, initial),
-                         .scales = unit_scales,
-                         .threads = 1,
-                         .stop = &stop};
-    return s;
-}
-
-static void forget(cns_study *s)
-{
-    numbers_free((cns_number *)(size_t)s->parameters, 1);
-    numbers_free((cns_number *)(size_t)s->initial, s->model->n_states);
+    cns_setting settings[6] = {{"P", parameter}};
+    for (int i = 0; i < m->n_states; i++)
+        settings[i + 1] = (cns_setting){m->states[i].name, initial[i]};
+    return system_new(m, settings);
 }
 
 static const cns_classify_spec usual = {.observable = -1, .max_digits = 200};
 
 static cns_motion classify(const cns_model *m, const char *parameter, const char *const *initial)
 {
-    cns_study s = study_of(m, parameter, initial);
+    cns_system *s = system_of(m, parameter, initial);
     cns_motion motion;
     cns_error err;
-    check_ok(cns_classify(&s, &usual, &motion, &err), &err);
-    forget(&s);
+    check_ok(cns_classify(s, &usual, NULL, &motion, &err), &err);
+    cns_system_free(s);
     return motion;
 }
 
@@ -219,24 +213,15 @@ END_TEST
 
 START_TEST(test_lorenz_is_chaotic)
 {
-    const cns_model *lorenz = cns_model_find("lorenz");
-    const char *texts[3];
-    for (int i = 0; i < 3; i++)
-        texts[i] = lorenz->parameters[i].standard;
-    cns_study s = study_of(lorenz, "1", (const char *[]){"-15.8", "-17.48", "35.64"});
-    numbers_free((cns_number *)(size_t)s.parameters, 1);
-    cns_number *p = numbers_new(3, texts);
-    s.parameters = p;
-    const double scales[] = {lorenz->states[0].scale, lorenz->states[1].scale, lorenz->states[2].scale};
-    s.scales = scales;
+    const cns_setting start[] = {{"x", "-15.8"}, {"y", "-17.48"}, {"z", "35.64"}, {NULL, NULL}};
+    cns_system *s = system_new(cns_model_find("lorenz"), start);
     cns_motion m;
     cns_error err;
-    check_ok(cns_classify(&s, &usual, &m, &err), &err);
+    check_ok(cns_classify(s, &usual, NULL, &m, &err), &err);
     ck_assert_str_eq(cns_mode_name(m.mode), "chaotic");
     ck_assert_msg(fabs(m.lambda - 0.9056) < 4 * m.lambda_se + 1e-3, "%g +- %g", m.lambda, m.lambda_se);
     cns_motion_clear(&m);
-    numbers_free(p, 3);
-    numbers_free((cns_number *)(size_t)s.initial, 3);
+    cns_system_free(s);
 }
 END_TEST
 
@@ -289,7 +274,7 @@ END_TEST
 
 START_TEST(test_sweep)
 {
-    cns_study s = study_of(&pendulum, "0", (const char *[]){"1", "1.5", "0"});
+    cns_system *s = system_of(&pendulum, "0", (const char *[]){"1", "1.5", "0"});
     cns_sweep sweep;
     cns_error err;
     char *rows[8];
@@ -298,7 +283,7 @@ START_TEST(test_sweep)
     cns_sweep_clear(&sweep);
     check_ok(cns_sweep_parse(&sweep, &pendulum, "P=0.5:1.5:1", &err), &err);
     ck_assert_int_eq(cns_sweep_count(&sweep), 2);
-    check_ok(cns_sweep_run(&s, &sweep, &usual, NULL, "", rows, &err), &err);
+    check_ok(cns_sweep_run(s, &sweep, &usual, NULL, NULL, rows, &err), &err);
     ck_assert_int_eq(strncmp(rows[0], "0.5,flutter,mirror,1,0,", 23), 0);
     ck_assert_int_eq(strncmp(rows[1], "1.5,tumble,none,1,1,", 20), 0);
     free(rows[0]);
@@ -308,14 +293,14 @@ START_TEST(test_sweep)
                                         "P=2:1:1", "P=1:pi:1", "P=0:1:1e-9", "P=1:2:x"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         ck_assert_int_eq(cns_sweep_parse(&sweep, &pendulum, wrong[i], &err), CNS_USAGE);
-    forget(&s);
+    cns_system_free(s);
 }
 END_TEST
 
 /* The pendulum goes round when its energy is above that of the saddle, 1. */
 START_TEST(test_bisection)
 {
-    cns_study s = study_of(&pendulum, "0", (const char *[]){"1", "1.5", "0"});
+    cns_system *s = system_of(&pendulum, "0", (const char *[]){"1", "1.5", "0"});
     const char *ends[] = {"0.6", "1.7"};
     cns_number *x = numbers_new(2, ends);
     cns_bisect_spec spec = {.parameter = 0, .decimals = 6};
@@ -323,7 +308,7 @@ START_TEST(test_bisection)
     cns_error err;
     spec.lower = x[0];
     spec.upper = x[1];
-    check_ok(cns_bisect_trajectory(&s, &spec, NULL, &r, &err), &err);
+    check_ok(cns_bisect(s, &spec, NULL, NULL, &r, &err), &err);
     ck_assert_str_eq(r.critical, "1.000000");
     ck_assert_str_eq(r.lower_mode, "flutter");
     ck_assert_str_eq(r.upper_mode, "tumble");
@@ -332,12 +317,12 @@ START_TEST(test_bisection)
     spec.lower = x[1];
     check_ok(cns_number_parse(&x[0], "2.5", &err), &err);
     spec.upper = x[0];
-    ck_assert_int_eq(cns_bisect_trajectory(&s, &spec, NULL, &r, &err), CNS_UNREACHED);
+    ck_assert_int_eq(cns_bisect(s, &spec, NULL, NULL, &r, &err), CNS_UNREACHED);
     ck_assert_ptr_null(r.critical);
     ck_assert_str_eq(r.lower_mode, "tumble");
     cns_bisect_clear(&r);
     numbers_free(x, 2);
-    forget(&s);
+    cns_system_free(s);
 }
 END_TEST
 

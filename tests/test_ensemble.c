@@ -59,8 +59,8 @@ static void progress(void *context, double fraction, const char *what)
 static cns_code go(plan *p, int threads, const char *directory, const char *identity, char **results,
                    cns_error *err)
 {
-    const cns_study study = {.threads = threads, .stop = &p->stop, .progress = progress, .context = p};
-    const cns_ensemble e = {N, &study, directory, identity, p, name, cost, run};
+    const cns_monitor monitor = {.threads = threads, .stop = &p->stop, .progress = progress, .context = p};
+    const cns_ensemble e = {N, &monitor, directory, identity, p, name, cost, run};
     p->last = 0;
     return cns_ensemble_run(&e, results, err);
 }

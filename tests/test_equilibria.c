@@ -13,39 +13,33 @@
 
 enum { BITS = 400, MAX_PARAMETERS = 8 };
 
-/* A study of a model with its standard parameters, those named in `set` ("I=1.5 CT=1") apart. */
+/* A system of a model with its standard parameters, those named in `set` ("I=1.5 CT=1") apart. */
 typedef struct subject {
-    cns_study study;
-    cns_number *parameters;
+    cns_system *system;
 } subject;
 
 static subject subject_open(const cns_model *m, const char *set)
 {
-    const char *texts[MAX_PARAMETERS];
-    char given[MAX_PARAMETERS][64], name[16], value[64];
-    for (int i = 0; i < m->n_parameters; i++) {
-        texts[i] = m->parameters[i].standard;
-        for (const char *at = set; at != NULL && sscanf(at, " %15[^=]=%63s", name, value) == 2;) {
-            if (!strcmp(name, m->parameters[i].name))
-                texts[i] = strcpy(given[i], value);
-            at = strchr(at + 1, ' ');
-        }
+    char name[MAX_PARAMETERS][16], value[MAX_PARAMETERS][64];
+    cns_setting settings[MAX_PARAMETERS + 1] = {{NULL, NULL}};
+    int n = 0;
+    for (const char *at = set; at != NULL && sscanf(at, " %15[^=]=%63s", name[n], value[n]) == 2; n++) {
+        settings[n] = (cns_setting){name[n], value[n]};
+        at = strchr(at + 1, ' ');
     }
-    subject u = {.parameters = numbers_new(m->n_parameters, texts)};
-    u.study = (cns_study){.model = m, .parameters = u.parameters, .threads = 1};
-    return u;
+    return (subject){system_new(m, settings)};
 }
 
 static void subject_close(subject *u)
 {
-    numbers_free(u->parameters, u->study.model->n_parameters);
+    cns_system_free(u->system);
 }
 
 static cns_equilibria *equilibria_of(const subject *u, long decimals)
 {
     cns_equilibria *e;
     cns_error err;
-    check_ok(cns_equilibria_find(&u->study, decimals, &e, &err), &err);
+    check_ok(cns_equilibria_find(u->system, decimals, NULL, &e, &err), &err);
     ck_assert_int_eq(e->decimals, decimals);
     return e;
 }
@@ -208,10 +202,10 @@ START_TEST(test_disk_eigenvalues)
                  b + 0.05 + test_random_unit(&s), b, 0.05 + test_random_unit(&s));
         subject u = subject_open(cns_model_find("apw"), turn == 0 ? "I=1.2191" : turn == 1 ? "I=2.2" : set);
         cns_equilibria *e = equilibria_of(&u, 50);
-        check_disk(u.parameters, named(e, "edge-on"), true, 50);
-        check_disk(u.parameters, named(e, "edge-on mirror"), true, 50);
-        check_disk(u.parameters, named(e, "broadside"), false, 50);
-        check_disk(u.parameters, named(e, "broadside mirror"), false, 50);
+        check_disk(cns_system_parameters(u.system), named(e, "edge-on"), true, 50);
+        check_disk(cns_system_parameters(u.system), named(e, "edge-on mirror"), true, 50);
+        check_disk(cns_system_parameters(u.system), named(e, "broadside"), false, 50);
+        check_disk(cns_system_parameters(u.system), named(e, "broadside mirror"), false, 50);
         cns_equilibria_free(e);
         subject_close(&u);
     }
@@ -299,7 +293,7 @@ START_TEST(test_degenerate)
     subject u = subject_open(cns_model_find("lorenz"), "R=1");
     cns_equilibria *e;
     cns_error err;
-    ck_assert_int_eq(cns_equilibria_find(&u.study, 20, &e, &err), CNS_UNREACHED);
+    ck_assert_int_eq(cns_equilibria_find(u.system, 20, NULL, &e, &err), CNS_UNREACHED);
     ck_assert_ptr_nonnull(strstr(err.text, "origin"));
     ck_assert_int_eq(e->n, 0);
     cns_equilibria_free(e);
@@ -309,8 +303,10 @@ END_TEST
 
 /* Models of one test. */
 
-static void build_double(cns_program *p) /* x' = -x, y' = 1/2 - 2 y + x^2, z' = y - z */
+/* x' = -x, y' = 1/2 - 2 y + x^2, z' = y - z */
+static void build_double(cns_program *p, const cns_model *model)
 {
+    (void)model;
     cns_node x = cns_state(p, 0), y = cns_state(p, 1), z = cns_state(p, 2);
     cns_derivative(p, 0, cns_neg(p, x));
     cns_derivative(
@@ -319,20 +315,26 @@ static void build_double(cns_program *p) /* x' = -x, y' = 1/2 - 2 y + x^2, z' = 
     cns_derivative(p, 2, cns_sub(p, y, z));
 }
 
-static void build_defective(cns_program *p) /* x' = y - x, y' = -y: one eigenvector for the eigenvalue -1 */
+/* x' = y - x, y' = -y: one eigenvector for the eigenvalue -1 */
+static void build_defective(cns_program *p, const cns_model *model)
 {
+    (void)model;
     cns_node x = cns_state(p, 0), y = cns_state(p, 1);
     cns_derivative(p, 0, cns_sub(p, y, x));
     cns_derivative(p, 1, cns_sub(p, cns_mul(p, cns_constant(p, "0"), x), y));
 }
 
-static void build_none(cns_program *p) /* x' = 1 + x^2 */
+/* x' = 1 + x^2 */
+static void build_none(cns_program *p, const cns_model *model)
 {
+    (void)model;
     cns_derivative(p, 0, cns_add(p, cns_constant(p, "1"), cns_sqr(p, cns_state(p, 0))));
 }
 
-static void build_tie(cns_program *p) /* x' = 0.125 - x: two decimals are a tie */
+/* x' = 0.125 - x: two decimals are a tie */
+static void build_tie(cns_program *p, const cns_model *model)
 {
+    (void)model;
     cns_derivative(p, 0, cns_sub(p, cns_constant(p, "0.125"), cns_state(p, 0)));
 }
 
@@ -382,11 +384,13 @@ START_TEST(test_none_and_tie)
     subject u = subject_open(&m, NULL);
     cns_equilibria *e;
     cns_error err;
-    ck_assert_int_eq(cns_equilibria_find(&u.study, 5, &e, &err), CNS_UNREACHED);
+    ck_assert_int_eq(cns_equilibria_find(u.system, 5, NULL, &e, &err), CNS_UNREACHED);
     ck_assert_int_eq(e->n, 0);
     cns_equilibria_free(e);
+    subject_close(&u);
     m.build = build_tie;
-    cns_code code = cns_equilibria_find(&u.study, 2, &e, &err);
+    u = subject_open(&m, NULL);
+    cns_code code = cns_equilibria_find(u.system, 2, NULL, &e, &err);
     if (code == CNS_UNREACHED) /* nothing is printed that is not certain */
         ck_assert_int_eq(e->decimals, 1);
     else
@@ -394,7 +398,7 @@ START_TEST(test_none_and_tie)
     ck_assert_str_eq(e->item[0].state[0], code ? "0.1" : "0.12");
     cns_equilibria_free(e);
     m.equilibria = NULL;
-    ck_assert_int_eq(cns_equilibria_find(&u.study, 2, &e, &err), CNS_USAGE);
+    ck_assert_int_eq(cns_equilibria_find(u.system, 2, NULL, &e, &err), CNS_USAGE);
     ck_assert_ptr_null(e);
     subject_close(&u);
 }

@@ -16,41 +16,37 @@
 
 typedef struct outcome {
     cns_case *c;
+    cns_system *system;
+    cns_problem problem;
     cns_laws_result r;
     cns_code code;
     cns_error err;
 } outcome;
 
-static void load(outcome *o, cns_study *study, double *scales, const char *yaml)
+static void load(outcome *o, const char *yaml)
 {
     char *report;
     if (cns_case_parse("test", yaml, strlen(yaml), NULL, 0, &o->c, &report))
         ck_abort_msg("%s", report);
     const cns_case *c = o->c;
-    for (int i = 0; i < c->model->n_states; i++)
-        scales[i] = c->model->states[i].scale;
-    *study = (cns_study){.model = c->model,
-                         .parameters = c->parameters,
-                         .initial = c->initial,
-                         .smooth = c->smooth ? &c->eps : NULL,
-                         .end = &c->end,
-                         .every = &c->every,
-                         .scales = scales,
-                         .threads = 1};
+    o->system = cns_system_new(c->model, c->parameters, c->initial, c->smooth ? &c->eps : NULL, &o->err);
+    if (!o->system)
+        ck_abort_msg("%s", o->err.text);
+    o->problem = (cns_problem){.system = o->system, .end = &c->end, .every = &c->every};
 }
 
 static void go(outcome *o, const char *yaml, int threads, const char *directory)
 {
-    cns_study study;
-    double scales[8];
-    load(o, &study, scales, yaml);
-    study.threads = threads;
-    o->code = cns_laws(&study, &o->c->laws, directory, &o->r, &o->err);
+    const cns_monitor monitor = {.threads = threads};
+    load(o, yaml);
+    o->problem.monitor = &monitor;
+    o->code = cns_laws(&o->problem, &o->c->laws, directory, &o->r, &o->err);
 }
 
 static void drop(outcome *o)
 {
     cns_laws_result_clear(&o->r);
+    cns_system_free(o->system);
     cns_case_free(o->c);
 }
 
@@ -95,25 +91,19 @@ START_TEST(points_by_another_route)
         START "time: {end: 500, every: 1/8}\nlaws: {observable: y, digits: {from: 12, to: 16, by: 4}}\n"};
     for (int k = 0; k < 2; k++) {
         outcome o;
-        cns_study study;
-        double scales[8];
-        load(&o, &study, scales, texts[k]);
-        ck_assert_int_eq(cns_laws(&study, &o.c->laws, NULL, &o.r, &o.err), CNS_OK);
-        cns_program *p;
-        ck_assert_int_eq(cns_study_program(&study, &p, &o.err), CNS_OK);
+        load(&o, texts[k]);
+        ck_assert_int_eq(cns_laws(&o.problem, &o.c->laws, NULL, &o.r, &o.err), CNS_OK);
         for (int i = 0; i < 2; i++) {
             const cns_numerics n = {
                 .method = CNS_METHOD_TAYLOR, .arithmetic = CNS_ARITH_FAST, .digits = 12 + 4 * i};
             const int until = k == 0 ? CNS_TC_NORM : CNS_TC_STATE(1);
-            const cns_tc_request q = {
-                .numerics = &n, .program = p, .truth = p, .delta = &o.c->laws.delta, .until = until};
+            const cns_tc_spec spec = {.numerics = &n, .delta = &o.c->laws.delta, .until = until};
             cns_tc_result t;
-            ck_assert_int_eq(cns_tc_measure(&study, &q, &t, &o.err), CNS_OK);
+            ck_assert_int_eq(cns_tc_measure(&o.problem, &spec, &t, &o.err), CNS_OK);
             ck_assert_int_eq(t.time[until].kind, CNS_TC_FOUND);
             ck_assert_double_eq_tol(o.r.law[CNS_LAW_DIGITS].point[i].tc, t.time[until].t, 2e-5);
             cns_tc_result_clear(&t);
         }
-        cns_program_free(p);
         drop(&o);
     }
 }

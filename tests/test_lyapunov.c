@@ -7,56 +7,72 @@
 #include "problem.h"
 
 static const char *const disk[] = {"0", "0", "1", "0", "0.01", "1"};
+static const cns_setting disk_start[] = {{"theta", "1"}, {"Vy", "0.01"}, {"omega", "1"}, {NULL, NULL}};
 static const double disk_tangent[] = {0.5, -0.25, 0.125, 0.75};
 
-static cns_code try_exponent(const cns_program *p, const char *const *initial, const double *tangent,
-                             double time, cns_arithmetic arithmetic, cns_lyapunov_result *result,
-                             cns_error *err)
+static cns_code try_exponent(const cns_system *s, const double *tangent, long time, cns_arithmetic arithmetic,
+                             cns_lyapunov_result *result, cns_error *err)
 {
-    cns_number *x = numbers_new(cns_program_states(p), initial);
-    cns_lyapunov_problem problem = {.program = p,
-                                    .scales = unit_scales,
-                                    .initial = x,
-                                    .tangent = tangent,
-                                    .time = time,
-                                    .arithmetic = arithmetic,
-                                    .digits = 30};
-    cns_code code = cns_lyapunov(&problem, result, err);
-    numbers_free(x, cns_program_states(p));
+    cns_lyapunov_spec spec = {.arithmetic = arithmetic, .digits = 30, .tangent = tangent};
+    cns_number_init(&spec.time);
+    mpq_set_si(spec.time.ratio, time, 1);
+    cns_code code = cns_lyapunov(s, &spec, NULL, result, err);
+    cns_number_clear(&spec.time);
     return code;
 }
 
-static cns_lyapunov_result exponent(const cns_program *p, const char *const *initial, double time,
-                                    cns_arithmetic arithmetic)
+static cns_lyapunov_result exponent(const cns_system *s, long time, cns_arithmetic arithmetic)
 {
     cns_lyapunov_result r;
     cns_error err;
-    check_ok(try_exponent(p, initial, NULL, time, arithmetic, &r, &err), &err);
+    const double length = (double)time;
+    check_ok(try_exponent(s, NULL, time, arithmetic, &r, &err), &err);
     ck_assert(r.lambda == r.row[CNS_LYAPUNOV_ROWS - 1].lambda);
     ck_assert(r.se == r.row[CNS_LYAPUNOV_ROWS - 1].se);
     ck_assert(r.se == r.batch[1].se && r.batch[1].count == 32);
-    ck_assert_double_eq_tol(r.row[CNS_LYAPUNOV_ROWS - 1].t, 1.1 * time, 1e-9 * time);
-    ck_assert_double_eq_tol(r.discarded, 0.1 * time, 1e-9 * time);
+    ck_assert_double_eq_tol(r.row[CNS_LYAPUNOV_ROWS - 1].t, 1.1 * length, 1e-9 * length);
+    ck_assert_double_eq_tol(r.discarded, 0.1 * length, 1e-9 * length);
     return r;
 }
 
-/* x_i' = sum_j a_ij x_j. */
-static cns_program *linear(int n, const char *const *a)
+/* x_i' = sum_j a_ij x_j, the model's data being the texts a. */
+static void linear(cns_program *p, const cns_model *model)
 {
-    cns_program *p = program_new(n, NULL);
+    const char *const *a = model->data;
+    const int n = model->n_states;
     for (int i = 0; i < n; i++) {
         cns_node f = cns_constant(p, "0");
         for (int j = 0; j < n; j++)
             f = cns_add(p, f, cns_mul(p, cns_constant(p, a[i * n + j]), cns_state(p, j)));
         cns_derivative(p, i, f);
     }
-    return finished(p);
+}
+
+static void oscillator(cns_program *p, const cns_model *model)
+{
+    cns_node x = cns_state(p, 0), y = cns_state(p, 1);
+    (void)model;
+    cns_derivative(p, 0, y);
+    cns_derivative(p, 1, cns_sub(p, cns_mul(p, cns_sub(p, cns_constant(p, "1"), cns_sqr(p, x)), y), x));
+}
+
+static void pole(cns_program *p, const cns_model *model)
+{
+    (void)model;
+    cns_derivative(p, 0, cns_sqr(p, cns_state(p, 0)));
+}
+
+static void passive(cns_program *p, const cns_model *model)
+{
+    (void)model;
+    cns_derivative(p, 0, cns_constant(p, "1"));
 }
 
 static const struct {
     const char *a[9];
     int n;
-    double time, lambda, error;
+    long time;
+    double lambda, error;
 } linear_systems[] = {
     {{"3/10"}, 1, 30, 0.3, 1e-9},
     {{"-2"}, 1, 400, -2, 1e-9},                                         /* through 10^-300 and further */
@@ -70,13 +86,14 @@ static const struct {
 START_TEST(linear_systems_have_their_eigenvalue)
 {
     static const char *const origin[] = {"0", "0", "0"};
-    cns_program *p = linear(linear_systems[_i].n, linear_systems[_i].a);
+    const cns_model model = unit_model(linear_systems[_i].n, linear, linear_systems[_i].a);
+    cns_system *s = unit_system(&model, origin);
     for (int arithmetic = CNS_ARITH_FAST; arithmetic <= CNS_ARITH_DOUBLE; arithmetic++) {
-        cns_lyapunov_result r = exponent(p, origin, linear_systems[_i].time, (cns_arithmetic)arithmetic);
+        cns_lyapunov_result r = exponent(s, linear_systems[_i].time, (cns_arithmetic)arithmetic);
         ck_assert_double_eq_tol(r.lambda, linear_systems[_i].lambda, linear_systems[_i].error);
         ck_assert_double_le(fabs(r.lambda - linear_systems[_i].lambda), 3 * r.se + 1e-9);
     }
-    cns_program_free(p);
+    cns_system_free(s);
 }
 END_TEST
 
@@ -84,19 +101,16 @@ END_TEST
 START_TEST(limit_cycle_has_exponent_zero)
 {
     static const char *const start[] = {"3", "0"};
-    cns_program *p = program_new(2, NULL);
-    cns_node x = cns_state(p, 0), y = cns_state(p, 1);
-    cns_derivative(p, 0, y);
-    cns_derivative(p, 1, cns_sub(p, cns_mul(p, cns_sub(p, cns_constant(p, "1"), cns_sqr(p, x)), y), x));
-    finished(p);
+    const cns_model model = unit_model(2, oscillator, NULL);
+    cns_system *s = unit_system(&model, start);
     for (int arithmetic = CNS_ARITH_FAST; arithmetic <= CNS_ARITH_DOUBLE; arithmetic++) {
         cns_lyapunov_result r =
-            exponent(p, start, arithmetic == CNS_ARITH_DOUBLE ? 400 : 100, (cns_arithmetic)arithmetic);
+            exponent(s, arithmetic == CNS_ARITH_DOUBLE ? 400 : 100, (cns_arithmetic)arithmetic);
         ck_assert_double_le(fabs(r.lambda), 0.02);
         ck_assert_double_le(fabs(r.lambda), 2 * r.se);
         ck_assert_double_le(r.se, 0.05);
     }
-    cns_program_free(p);
+    cns_system_free(s);
 }
 END_TEST
 
@@ -120,9 +134,9 @@ static double log_distance(mpfr_t *a, mpfr_t *b, int from, int to)
 START_TEST(growth_is_that_of_a_small_distance)
 {
     enum { DIGITS = 90, SMALL = 200 };
-    const double time = 40;
-    cns_program *p = model_program("apw", NULL);
-    cns_flow_spec spec = taylor_spec(p, DIGITS);
+    const long time = 40;
+    cns_system *s = system_new(cns_model_find("apw"), disk_start);
+    cns_flow_spec spec = taylor_spec(cns_system_program(s), DIGITS);
     cns_number *x = numbers_new(6, disk);
     cns_flow *one = flow_new(&spec), *other = flow_new(&spec);
     mpfr_t *a = vector_new(6, spec.prec), *b = vector_new(6, spec.prec);
@@ -140,12 +154,12 @@ START_TEST(growth_is_that_of_a_small_distance)
     double before = log_distance(a, b, 2, 6);
     flow_to(one, "44", a);
     flow_to(other, "44", b);
-    double expected = (log_distance(a, b, 2, 6) - before) / time;
+    double expected = (log_distance(a, b, 2, 6) - before) / (double)time;
     ck_assert_int_gt(cns_flow_landings(one), 3);
     for (int arithmetic = CNS_ARITH_FAST; arithmetic <= CNS_ARITH_DOUBLE; arithmetic++) {
         cns_lyapunov_result r;
         cns_error err;
-        check_ok(try_exponent(p, disk, disk_tangent, time, (cns_arithmetic)arithmetic, &r, &err), &err);
+        check_ok(try_exponent(s, disk_tangent, time, (cns_arithmetic)arithmetic, &r, &err), &err);
         ck_assert_double_eq_tol(r.lambda, expected, 2e-9);
         ck_assert_int_gt(r.landings, 3);
     }
@@ -155,28 +169,28 @@ START_TEST(growth_is_that_of_a_small_distance)
     cns_flow_free(one);
     cns_flow_free(other);
     numbers_free(x, 6);
-    cns_program_free(p);
+    cns_system_free(s);
 }
 END_TEST
 
 /* Lorenz's equations: 0.9056 (J. C. Sprott, Chaos and Time-Series Analysis, 2003). */
 START_TEST(lorenz)
 {
-    static const char *const start[] = {"-15.8", "-17.48", "35.64"};
-    cns_program *p = model_program("lorenz", NULL);
-    cns_lyapunov_result r = exponent(p, start, 1000, CNS_ARITH_DOUBLE);
+    const cns_setting start[] = {{"x", "-15.8"}, {"y", "-17.48"}, {"z", "35.64"}, {NULL, NULL}};
+    cns_system *s = system_new(cns_model_find("lorenz"), start);
+    cns_lyapunov_result r = exponent(s, 1000, CNS_ARITH_DOUBLE);
     ck_assert_double_eq_tol(r.lambda, 0.9056, 3.5 * r.se);
     ck_assert_double_le(r.se, 0.05);
     ck_assert_int_eq(r.landings, 0);
-    cns_program_free(p);
+    cns_system_free(s);
 }
 END_TEST
 
 /* The rows are means from the end of the transient on. */
 START_TEST(table_is_the_mean_so_far)
 {
-    cns_program *p = model_program("apw", NULL);
-    cns_lyapunov_result whole = exponent(p, disk, 64, CNS_ARITH_DOUBLE);
+    cns_system *s = system_new(cns_model_find("apw"), disk_start);
+    cns_lyapunov_result whole = exponent(s, 64, CNS_ARITH_DOUBLE);
     double sum = 0, smallest = HUGE_VAL, largest = -HUGE_VAL;
     for (int k = 0; k < CNS_LYAPUNOV_ROWS; k++) { /* the mean of one row's time, from the means so far */
         double here = (k + 1) * whole.row[k].lambda - (k > 0 ? k * whole.row[k - 1].lambda : 0);
@@ -188,7 +202,7 @@ START_TEST(table_is_the_mean_so_far)
     }
     ck_assert_double_eq_tol(sum / CNS_LYAPUNOV_ROWS, whole.lambda, 1e-12);
     ck_assert_double_gt(largest - smallest, 0.1);
-    cns_program_free(p);
+    cns_system_free(s);
 }
 END_TEST
 
@@ -230,27 +244,23 @@ START_TEST(failures_are_told)
     static const char *const one[] = {"1"};
     cns_lyapunov_result r;
     cns_error err;
-    cns_program *pole = program_new(1, NULL), *passive = program_new(1, NULL);
-    cns_derivative(pole, 0, cns_sqr(pole, cns_state(pole, 0)));
-    cns_derivative(passive, 0, cns_constant(passive, "1"));
-    finished(pole);
-    finished(passive);
-    ck_assert_int_eq(try_exponent(pole, one, NULL, 10, CNS_ARITH_DOUBLE, &r, &err), CNS_NUMERIC);
-    ck_assert_msg(strstr(err.text, "t = "), "%s", err.text);
-    ck_assert_int_eq(try_exponent(passive, one, NULL, 10, CNS_ARITH_DOUBLE, &r, &err), CNS_NUMERIC);
-    ck_assert_msg(strstr(err.text, "exponent"), "%s", err.text);
-    cns_program_free(pole);
-    cns_program_free(passive);
+    const cns_model models[] = {unit_model(1, pole, NULL), unit_model(1, passive, NULL)};
+    static const char *const words[] = {"t = ", "exponent"};
+    for (int i = 0; i < 2; i++) {
+        cns_system *s = unit_system(&models[i], one);
+        ck_assert_int_eq(try_exponent(s, NULL, 10, CNS_ARITH_DOUBLE, &r, &err), CNS_NUMERIC);
+        ck_assert_msg(strstr(err.text, words[i]), "%s", err.text);
+        cns_system_free(s);
+    }
 
     volatile sig_atomic_t stop = 1;
-    cns_program *p = model_program("apw", NULL);
-    cns_number *x = numbers_new(6, disk);
-    cns_lyapunov_problem problem = {
-        .program = p, .scales = unit_scales, .initial = x, .time = 1, .arithmetic = CNS_ARITH_DOUBLE};
-    problem.stop = &stop;
-    ck_assert_int_eq(cns_lyapunov(&problem, &r, &err), CNS_STOPPED);
-    numbers_free(x, 6);
-    cns_program_free(p);
+    const cns_monitor stopped = {.stop = &stop};
+    cns_system *s = system_new(cns_model_find("apw"), disk_start);
+    cns_number *time = numbers_new(1, one);
+    const cns_lyapunov_spec spec = {.time = *time, .arithmetic = CNS_ARITH_DOUBLE};
+    ck_assert_int_eq(cns_lyapunov(s, &spec, &stopped, &r, &err), CNS_STOPPED);
+    numbers_free(time, 1);
+    cns_system_free(s);
 }
 END_TEST
 

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "cns/study/bisect.h"
 #include "num/decimal_text.h"
 #include "problem.h"
 #include "study/saddle/branch.h"
@@ -14,8 +15,9 @@
 
 /* A. A saddle with its unstable manifold in closed form: x' = x, y' = x^2 - y, that is y = x^2 / 3. */
 
-static void build_parabola(cns_program *p)
+static void build_parabola(cns_program *p, const cns_model *model)
 {
+    (void)model;
     cns_node x = cns_state(p, 0), y = cns_state(p, 1);
     cns_derivative(p, 0, x);
     cns_derivative(p, 1, cns_sub(p, cns_sqr(p, x), y));
@@ -24,8 +26,9 @@ static void build_parabola(cns_program *p)
 /* B. A homoclinic orbit (B. Sandstede, J. Dynam. Diff. Equations 9 (1997) 269, without z): with m = mu^2 - 2
  * and x' = a x + b y - a x^2 + m x (2 - 3 x),   y' = b x + a y - 3/2 b x^2 - 3/2 a x y - 2 m y the curve x^2
  * (1 - x) = y^2 consists of solutions for m = 0, mu = sqrt 2. Eigenvalues a +- b. */
-static void build_loop(cns_program *p)
+static void build_loop(cns_program *p, const cns_model *model)
 {
+    (void)model;
     cns_node x = cns_state(p, 0), y = cns_state(p, 1), xx = cns_sqr(p, x), xy = cns_mul(p, x, y);
     cns_node a = cns_constant(p, "-0.3"), two = cns_constant(p, "2"), three = cns_constant(p, "3");
     cns_node m = cns_sub(p, cns_sqr(p, cns_parameter(p, 0)), two), half3 = cns_constant(p, "3/2");
@@ -49,8 +52,9 @@ static int origin(const double *parameter, cns_model_guess *guess)
  * > 0, y^2 obeys a linear equation in x, and the unstable manifold of the saddle returns to the next one if
  *     mu = 2 d / sqrt(1 + 4 d^2).
  * The saddle, x = pi - asin mu, lies on the kink. */
-static void build_pendulum(cns_program *p)
+static void build_pendulum(cns_program *p, const cns_model *model)
 {
+    (void)model;
     cns_node x = cns_state(p, 0), y = cns_state(p, 1), sine, cosine;
     cns_sincos(p, x, &sine, &cosine);
     cns_node drag = cns_mul(p, cns_parameter(p, 1), cns_mul(p, cns_abs(p, y), y));
@@ -96,9 +100,9 @@ static const cns_model pendulum = {.name = "pendulum",
 
 /* A bisection of a model with its standard parameters, but for d where that is given. */
 typedef struct bench {
-    cns_number *parameters, *bracket;
-    double scales[8];
-    cns_study study;
+    cns_number *bracket;
+    cns_system *system;
+    cns_monitor monitor;
     cns_bisect_spec spec;
     cns_bisect_result r;
     cns_error err;
@@ -106,29 +110,36 @@ typedef struct bench {
 
 static void bench_open(bench *b, const cns_model *m, const char *lower, const char *upper, long decimals)
 {
-    const char *texts[8];
     const char *ends[2] = {lower, upper};
-    for (int i = 0; i < m->n_parameters; i++)
-        texts[i] = m->parameters[i].standard;
-    *b = (bench){.parameters = numbers_new(m->n_parameters, texts), .bracket = numbers_new(2, ends)};
-    for (int i = 0; i < m->n_states; i++)
-        b->scales[i] = m->states[i].scale;
-    b->study = (cns_study){.model = m, .parameters = b->parameters, .scales = b->scales, .threads = 1};
+    *b = (bench){.bracket = numbers_new(2, ends), .system = system_new(m, NULL)};
     b->spec = (cns_bisect_spec){.parameter = 0, .by_manifold = true, .decimals = decimals};
     b->spec.lower = b->bracket[0];
     b->spec.upper = b->bracket[1];
 }
 
+/* The system with another number: parameter i, or the smoothing (-1). */
+static void bench_set(bench *b, int i, const char *text)
+{
+    cns_number *x = numbers_new(1, &text);
+    cns_system *other =
+        i < 0 ? cns_system_smoothed(b->system, x, &b->err) : cns_system_with(b->system, i, x, &b->err);
+    if (!other)
+        ck_abort_msg("%s", b->err.text);
+    cns_system_free(b->system);
+    b->system = other;
+    numbers_free(x, 1);
+}
+
 static void bench_close(bench *b)
 {
     cns_bisect_clear(&b->r);
-    numbers_free(b->parameters, b->study.model->n_parameters);
+    cns_system_free(b->system);
     numbers_free(b->bracket, 2);
 }
 
-static cns_code bisect(bench *b, const cns_bisect_store *store)
+static cns_code bisect(bench *b, const char *directory)
 {
-    return cns_bisect_manifold(&b->study, &b->spec, store, &b->r, &b->err);
+    return cns_bisect(b->system, &b->spec, directory, &b->monitor, &b->r, &b->err);
 }
 
 static void check_critical(const bench *b, const mpfr_t x)
@@ -147,22 +158,16 @@ static void check_critical(const bench *b, const mpfr_t x)
     mpfr_clears(lower, upper, (mpfr_ptr)0);
 }
 
-static void open_branch(cns_branch *b, cns_reduced *r, cns_fixed_point *f, const cns_study *s, int order,
+static void open_branch(cns_branch *b, cns_reduced *r, cns_fixed_point *f, const cns_system *s, int order,
                         mpfr_prec_t prec)
 {
     cns_model_guess guess[CNS_MODEL_MAX_GUESSES];
-    cns_program *p;
     cns_error err;
-    double parameter[8];
-    for (int i = 0; i < s->model->n_parameters; i++)
-        parameter[i] = cns_number_get_d(&s->parameters[i]);
-    s->model->equilibria(parameter, guess);
-    check_ok(cns_study_program(s, &p, &err), &err);
-    check_ok(cns_reduced_open(r, p, &err), &err);
-    cns_program_free(p);
+    ck_assert_int_gt(cns_system_guesses(s, guess), 0);
+    check_ok(cns_reduced_open(r, cns_system_program(s), &err), &err);
     cns_fixed_point_init(f, r->d);
     check_ok(cns_fixed_point_find(r, guess[0].state, (slong)prec + 64, f, &err), &err);
-    check_ok(cns_branch_open(b, r, f, 0, s->scales, order, prec, &err), &err);
+    check_ok(cns_branch_open(b, r, f, 0, cns_system_scales(s), order, prec, &err), &err);
 }
 
 START_TEST(test_branch)
@@ -173,7 +178,7 @@ START_TEST(test_branch)
     cns_branch b;
     mpfr_t third;
     bench_open(&u, &parabola, "0", "1", 1);
-    open_branch(&b, &r, &f, &u.study, 20, 300);
+    open_branch(&b, &r, &f, u.system, 20, 300);
     mpfr_init2(third, 300);
     mpfr_set_ui(third, 1, MPFR_RNDN);
     ck_assert(mpfr_equal_p(b.lambda, third) != 0);
@@ -204,9 +209,8 @@ START_TEST(test_branch_on_kink)
     mpfr_t *x = vector_new(2, PREC);
     const char *mu = "3/5";
     bench_open(&u, &pendulum, "0", "1", 1);
-    cns_number_set(&u.parameters[0], u.bracket);
-    check_ok(cns_number_parse(&u.parameters[0], mu, &u.err), &u.err);
-    open_branch(&b, &r, &f, &u.study, 80, PREC);
+    bench_set(&u, 0, mu);
+    open_branch(&b, &r, &f, u.system, 80, PREC);
     mpfr_inits2(PREC, energy, sine, cosine, c, (mpfr_ptr)0);
     for (int turn = 0; turn < 2; turn++) {
         if (turn == 0) {
@@ -262,9 +266,9 @@ START_TEST(test_heteroclinic)
     char text[32];
     bench_open(&b, &pendulum, "0", "0.99", 35);
     snprintf(text, sizeof text, "%.3f", 0.2 + 0.8 * test_random_unit(&s));
-    check_ok(cns_number_parse(&b.parameters[1], text, &b.err), &b.err);
+    bench_set(&b, 1, text);
     mpfr_inits2(1000, x, d, (mpfr_ptr)0);
-    cns_number_get_mpfr(d, &b.parameters[1]);
+    cns_number_get_mpfr(d, &cns_system_parameters(b.system)[1]);
     mpfr_mul_ui(d, d, 2, MPFR_RNDN);
     mpfr_sqr(x, d, MPFR_RNDN);
     mpfr_add_ui(x, x, 1, MPFR_RNDN);
@@ -295,17 +299,17 @@ START_TEST(test_exact_hit)
     mpfr_set_ui(x, 3, MPFR_RNDN);
     mpfr_div_ui(x, x, 5, MPFR_RNDN);
     bench_open(&b, &pendulum, "0.59", "0.61", 20);
-    check_ok(cns_number_parse(&b.parameters[1], "3/8", &b.err), &b.err);
+    bench_set(&b, 1, "3/8");
     check_ok(bisect(&b, NULL), &b.err);
     check_critical(&b, x);
     bench_close(&b);
     cns_passage p;
     const cns_passage_spec spec = {.digits = 40};
     bench_open(&b, &pendulum, "0.6", "0.61", 20);
-    check_ok(cns_number_parse(&b.parameters[0], "0.6", &b.err), &b.err);
-    check_ok(cns_number_parse(&b.parameters[1], "3/8", &b.err), &b.err);
+    bench_set(&b, 0, "0.6");
+    bench_set(&b, 1, "3/8");
     cns_passage_init(&p, 200);
-    ck_assert_int_eq(cns_manifold_passage(&b.study, &spec, &p, NULL, NULL, &b.err), CNS_UNREACHED);
+    ck_assert_int_eq(cns_manifold_passage(b.system, &spec, NULL, &p, &b.err), CNS_UNREACHED);
     ck_assert_int_eq(bisect(&b, NULL), CNS_UNREACHED);
     ck_assert_ptr_null(b.r.critical);
     cns_passage_clear(&p);
@@ -328,7 +332,7 @@ START_TEST(test_refusals)
     bench_close(&b);
     volatile sig_atomic_t stop = 1;
     bench_open(&b, cns_model_find("apw"), "1.2191", "1.2193", 10);
-    b.study.stop = &stop;
+    b.monitor.stop = &stop;
     ck_assert_int_eq(bisect(&b, NULL), CNS_STOPPED);
     bench_close(&b);
 }
@@ -447,11 +451,11 @@ START_TEST(test_passage)
     static const char *const at[] = {"1.2190", "1.2193"};
     bench_open(&b, cns_model_find("apw"), "1.21", "1.23", 20);
     for (int i = 0; i < 2; i++) {
-        check_ok(cns_number_parse(&b.parameters[0], at[i], &b.err), &b.err);
+        bench_set(&b, 0, at[i]);
         for (int variant = 0; variant < 2; variant++) {
             const cns_passage_spec spec = {.digits = 30, .variant = variant};
             cns_passage_init(&p[variant], 200);
-            check_ok(cns_manifold_passage(&b.study, &spec, &p[variant], NULL, NULL, &b.err), &b.err);
+            check_ok(cns_manifold_passage(b.system, &spec, NULL, &p[variant], &b.err), &b.err);
             ck_assert_int_eq(p[variant].side, i ? 1 : -1);
         }
         check_close(p[0].miss, p[1].miss, DECIMALS(30.0), "the miss");
@@ -472,9 +476,8 @@ START_TEST(test_smoothing)
     static const char *const eps[] = {"1e-40", "1e-3"};
     for (int i = 0; i < 2; i++) {
         bench b;
-        cns_number *smooth = numbers_new(1, &eps[i]);
         bench_open(&b, cns_model_find("apw"), "1.2191", "1.2192", 12);
-        b.study.smooth = smooth;
+        bench_set(&b, -1, eps[i]);
         check_ok(bisect(&b, NULL), &b.err);
         if (i == 0)
             ck_assert_str_eq(b.r.critical, "1.219146631202");
@@ -482,7 +485,6 @@ START_TEST(test_smoothing)
             ck_assert_msg(!strncmp(b.r.critical, "1.219146", 8) && strcmp(b.r.critical, "1.219146631202"),
                           "%s", b.r.critical);
         bench_close(&b);
-        numbers_free(smooth, 1);
     }
 }
 END_TEST
@@ -493,8 +495,8 @@ static double period_at(bench *b, const char *inertia, double *lambda)
     const cns_passage_spec spec = {.digits = 30, .passes = 4};
     cns_passage p;
     cns_passage_init(&p, 200);
-    check_ok(cns_number_parse(&b->parameters[0], inertia, &b->err), &b->err);
-    check_ok(cns_manifold_passage(&b->study, &spec, &p, NULL, NULL, &b->err), &b->err);
+    bench_set(b, 0, inertia);
+    check_ok(cns_manifold_passage(b->system, &spec, NULL, &p, &b->err), &b->err);
     *lambda = p.lambda;
     const double period = 2 * p.interval;
     cns_passage_clear(&p);
@@ -531,14 +533,13 @@ START_TEST(test_store)
 {
     char directory[] = "/tmp/cns-manifold.XXXXXX", command[128];
     ck_assert_ptr_nonnull(mkdtemp(directory));
-    const cns_bisect_store store = {.directory = directory, .identity = "pendulum"};
     bench b, again;
     bench_open(&b, &pendulum, "0.7", "0.71", 20);
     bench_open(&again, &pendulum, "0.7", "0.71", 20);
-    check_ok(bisect(&b, &store), &b.err);
+    check_ok(bisect(&b, directory), &b.err);
     volatile sig_atomic_t stop = 1; /* no probe can be made any more */
-    again.study.stop = &stop;
-    check_ok(bisect(&again, &store), &again.err);
+    again.monitor.stop = &stop;
+    check_ok(bisect(&again, directory), &again.err);
     ck_assert_str_eq(again.r.critical, b.r.critical);
     ck_assert_str_eq(again.r.lower, b.r.lower);
     ck_assert_int_eq(again.r.probes, b.r.probes);

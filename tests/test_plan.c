@@ -27,37 +27,38 @@ static const planned goals[] = {
 
 /* The problem of a goal; cleared with problem_clear(). */
 typedef struct setting {
-    cns_program *program;
-    cns_number *initial, *times;
+    cns_system *system;
+    cns_number *times;
     cns_column columns[1];
-    cns_sink sink;
     cns_problem problem;
 } setting;
 
-static void setting_open(setting *s, const planned *g)
+static void setting_make(setting *s, cns_system *system, const char *end, const char *every)
 {
-    const char *times[] = {g->end, g->every};
-    s->program = model_program(g->model, g->smooth);
-    s->initial = numbers_new(cns_program_states(s->program), g->initial);
-    s->times = numbers_new(2, times);
-    s->columns[0] = (cns_column){.kind = CNS_COLUMN_STATE, .index = 0};
-    s->sink = (cns_sink){0};
-    s->problem = (cns_problem){.program = s->program,
-                               .scales = unit_scales,
-                               .initial = s->initial,
+    const char *times[] = {end, every};
+    *s = (setting){.system = system, .times = numbers_new(2, times), .columns = {{CNS_COLUMN_STATE, 0}}};
+    s->problem = (cns_problem){.system = s->system,
                                .end = &s->times[0],
                                .every = &s->times[1],
                                .columns = s->columns,
-                               .n_columns = 1,
-                               .threads = 1,
-                               .sink = &s->sink};
+                               .n_columns = 1};
+}
+
+static void setting_open(setting *s, const planned *g)
+{
+    const cns_model *m = cns_model_find(g->model);
+    cns_setting settings[8] = {{NULL, NULL}};
+    for (int i = 0; i < m->n_states; i++)
+        settings[i] = (cns_setting){m->states[i].name, g->initial[i]};
+    if (g->smooth)
+        settings[m->n_states] = (cns_setting){"smooth", g->smooth};
+    setting_make(s, system_new(m, settings), g->end, g->every);
 }
 
 static void setting_close(setting *s)
 {
-    numbers_free(s->initial, cns_program_states(s->program));
     numbers_free(s->times, 2);
-    cns_program_free(s->program);
+    cns_system_free(s->system);
 }
 
 static cns_run_info plan_for(const setting *s, cns_places places, long count)
@@ -101,13 +102,15 @@ typedef struct watch {
     double last, halfway;
 } watch;
 
-static void watch_progress(void *context, const cns_progress *p)
+static void watch_progress(void *context, double fraction, const char *what)
 {
     watch *seen = context;
-    ck_assert(p->fraction >= seen->last && p->fraction <= 1);
-    seen->last = p->fraction;
-    if (p->t <= p->end / 2)
-        seen->halfway = p->fraction;
+    double t, end;
+    ck_assert_int_eq(sscanf(what, "t = %lf of %lf", &t, &end), 2);
+    ck_assert(fraction >= seen->last && fraction <= 1);
+    seen->last = fraction;
+    if (t <= end / 2)
+        seen->halfway = fraction;
 }
 
 /* Precision falls with time: by half of it, more than half of the work is done. */
@@ -120,7 +123,8 @@ START_TEST(progress_is_that_of_the_work)
     cns_result result;
     watch seen = {0, 0};
     setting_open(&s, &g);
-    s.sink = (cns_sink){.context = &seen, .progress = watch_progress};
+    const cns_monitor monitor = {.progress = watch_progress, .context = &seen};
+    s.problem.monitor = &monitor;
     cns_goal goal = {.places = g.places, .count = g.count, .max_digits = 5000};
     check_ok(cns_solve_goal(&s.problem, &goal, &result, &err), &err);
     ck_assert_double_gt(seen.halfway, 0.6);
@@ -142,25 +146,18 @@ START_TEST(more_decimals_cost_more)
 }
 END_TEST
 
+static void build_pole(cns_program *p, const cns_model *model)
+{
+    (void)model;
+    cns_derivative(p, 0, cns_sqr(p, cns_state(p, 0)));
+}
+
 /* x' = x^2 from 1 has a pole at t = 1. */
 START_TEST(says_how_far_it_came)
 {
-    static const char *const one[] = {"1"}, *const times[] = {"2", "1/8"};
-    setting s = {.columns = {{.kind = CNS_COLUMN_STATE}}};
-    s.program = program_new(1, NULL);
-    cns_derivative(s.program, 0, cns_sqr(s.program, cns_state(s.program, 0)));
-    finished(s.program);
-    s.initial = numbers_new(1, one);
-    s.times = numbers_new(2, times);
-    s.problem = (cns_problem){.program = s.program,
-                              .scales = unit_scales,
-                              .initial = s.initial,
-                              .end = &s.times[0],
-                              .every = &s.times[1],
-                              .columns = s.columns,
-                              .n_columns = 1,
-                              .threads = 1,
-                              .sink = &s.sink};
+    const cns_model pole = unit_model(1, build_pole, NULL);
+    setting s;
+    setting_make(&s, unit_system(&pole, (const char *[]){"1"}), "2", "1/8");
     long digits[CNS_PLAN_PARTS];
     cns_schedule schedule = {.digits = digits};
     cns_goal goal = {.places = CNS_PLACES_DECIMALS, .count = 10, .max_digits = 5000};

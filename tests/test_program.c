@@ -467,7 +467,7 @@ START_TEST(prints_one_operation_per_line)
                            "%4 = cos %0 %2 %3\n"
                            "%5 = mul %0 %4  ; folded\n"
                            "%6 = add %3 %5  ; folded\n"
-                           "%7 = parameter 0 (8/3)  ; constant\n"
+                           "%7 = parameter 0  ; constant\n"
                            "%8 = scale %7 %6  ; folded\n"
                            "%9 = constant 2*pi  ; constant\n"
                            "%10 = sqr %1  ; output only\n"

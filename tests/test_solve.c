@@ -56,23 +56,19 @@ static cns_code on_row(void *context, const cns_row *row, cns_error *err)
 static void solve(table *t, const char *yaml, bool prove, void (*spoil)(cns_program *p))
 {
     char *report;
-    cns_program *program;
-    double scales[MAX_STATES];
     memset(t, 0, sizeof *t);
     if (cns_case_parse("test", yaml, strlen(yaml), NULL, 0, &t->c, &report))
         ck_abort_msg("%s", report);
     const cns_case *c = t->c;
     ck_assert_int_le(c->n_columns, MAX_COLUMNS);
-    cns_program_options options = {.smooth = c->smooth ? &c->eps : NULL};
-    check_ok(cns_model_program(c->model, c->parameters, &options, &program, &t->err), &t->err);
-    if (spoil)
-        spoil(program);
-    for (int i = 0; i < c->model->n_states; i++)
-        scales[i] = c->model->states[i].scale;
+    cns_system *system =
+        cns_system_new(c->model, c->parameters, c->initial, c->smooth ? &c->eps : NULL, &t->err);
+    if (!system)
+        ck_abort_msg("%s", t->err.text);
+    if (spoil) /* what nobody else may do */
+        spoil((cns_program *)(size_t)cns_system_program(system));
     cns_sink sink = {.context = t, .begin = on_begin, .row = on_row};
-    cns_problem problem = {.program = program,
-                           .scales = scales,
-                           .initial = c->initial,
+    cns_problem problem = {.system = system,
                            .end = &c->end,
                            .every = &c->every,
                            .columns = c->columns,
@@ -80,7 +76,7 @@ static void solve(table *t, const char *yaml, bool prove, void (*spoil)(cns_prog
                            .sink = &sink};
     t->code = c->has_goal ? cns_solve_goal(&problem, &c->goal, &t->result, &t->err)
                           : cns_solve_numerics(&problem, &c->numerics, prove, &t->result, &t->err);
-    cns_program_free(program);
+    cns_system_free(system);
 }
 
 static void table_clear(table *t)
@@ -585,38 +581,33 @@ static cns_code two_runs(const char *inertia, const char *t, double *difference,
                          cns_error *found)
 {
     cns_code code = CNS_OK;
-    const char *texts[] = {"0", "0", "1", "0", "0.01", "1"};
-    const cns_model *m = cns_model_find("apw");
-    cns_number *initial = numbers_new(6, texts), *time = numbers_new(1, &t), *values;
+    cns_number *time = numbers_new(1, &t);
     cns_sample sample[2];
     *difference = -HUGE_VAL;
     for (int run = 0; run < 2; run++) {
-        cns_program *program;
+        const cns_setting settings[] = {
+            {"I", run ? "2.2" : inertia}, {"theta", "1"}, {"Vy", "0.01"}, {"omega", "1"}, {NULL, NULL}};
+        cns_system *system = system_new(cns_model_find("apw"), settings);
+        const cns_program *program = cns_system_program(system);
         cns_error err;
-        const char *parameters[] = {run ? "2.2" : inertia, "1.2", "pi", "1.4", "1", "0.2", "0.2"};
-        values = numbers_new(7, parameters);
-        cns_program_options options = {NULL};
-        check_ok(cns_model_program(m, values, &options, &program, &err), &err);
-        cns_trajectory_spec spec = {.flow = taylor_spec(program, run ? 98 : 120), .initial = initial};
+        cns_trajectory_spec spec = {.flow = taylor_spec(program, run ? 98 : 120),
+                                    .initial = cns_system_initial(system)};
         cns_trajectory *trajectory = cns_trajectory_new(&spec, &err);
         ck_assert_ptr_nonnull(trajectory);
         ck_assert(cns_sample_init(&sample[run], program, spec.flow.prec));
         check_ok(cns_trajectory_at(trajectory, time->ratio, &sample[run], &err), &err);
         if (run) {
-            const double scales[6] = {1, 1, 1, 1, 1, 1};
-            cns_problem problem = {.program = program, .scales = scales};
+            cns_problem problem = {.system = system};
             code = cns_proof_explained(&problem, &sample[0], &sample[1], 4, found);
         }
         cns_trajectory_free(trajectory);
-        cns_program_free(program);
-        numbers_free(values, 7);
+        cns_system_free(system);
     }
     for (int i = 2; i < 6; i++)
         *difference = fmax(*difference, log2_distance(sample[0].state[i], sample[1].state[i]));
     *noise = sample[1].error_log2;
     cns_sample_clear(&sample[0]);
     cns_sample_clear(&sample[1]);
-    numbers_free(initial, 6);
     numbers_free(time, 1);
     return code;
 }

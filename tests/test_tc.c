@@ -3,53 +3,60 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "cns/study/tc.h"
 #include "problem.h"
+#include "study/predict/tc_internal.h"
 
 enum { MAX_STATES = 6 };
 
-/* A study without a model: what T_c needs of one. */
 typedef struct setting {
-    cns_program *program;
-    int n;
-    cns_number *initial, *planted; /* of the reference and of the run under test */
-    cns_number *times;             /* end, every, delta */
+    cns_model model;
+    cns_system *system;
+    cns_number *planted; /* states at t = 0 of the run under test */
+    cns_number *times;   /* end, every, delta */
 } setting;
 
-static void setting_init(setting *s, cns_program *p, const char *const *initial, const char *const *planted,
-                         const char *end, const char *every, const char *delta)
+typedef void builder(cns_program *p, const cns_model *model);
+
+static void setting_init(setting *s, int n, builder *build, const char *const *initial,
+                         const char *const *planted, const char *end, const char *every, const char *delta)
 {
     const char *const times[] = {end, every, delta};
-    s->program = finished(p);
-    s->n = cns_program_states(p);
-    s->initial = numbers_new(s->n, initial);
-    s->planted = numbers_new(s->n, planted);
+    s->model = unit_model(n, build, NULL);
+    s->system = unit_system(&s->model, initial);
+    s->planted = numbers_new(n, planted);
     s->times = numbers_new(3, times);
 }
 
 static void setting_clear(setting *s)
 {
-    numbers_free(s->initial, s->n);
-    numbers_free(s->planted, s->n);
+    numbers_free(s->planted, s->model.n_states);
     numbers_free(s->times, 3);
-    cns_program_free(s->program);
+    cns_system_free(s->system);
 }
 
 /* x' = x, y' = -y */
-static cns_program *saddle(void)
+static void saddle(cns_program *p, const cns_model *model)
 {
-    cns_program *p = program_new(2, NULL);
+    (void)model;
     cns_derivative(p, 0, cns_state(p, 0));
     cns_derivative(p, 1, cns_neg(p, cns_state(p, 1)));
-    return p;
+}
+
+/* x' = 1 */
+static void uniform(cns_program *p, const cns_model *model)
+{
+    (void)model;
+    cns_derivative(p, 0, cns_constant(p, "1"));
 }
 
 /* Two fine runs that differ in their initial states. */
 static void compare_planted(const setting *s, cns_tc_result *r)
 {
     cns_error err;
-    cns_trajectory_spec test = {.flow = taylor_spec(s->program, 40), .initial = s->planted},
-                        reference = {.flow = taylor_spec(s->program, 60), .initial = s->initial};
+    cns_trajectory_spec test = {.flow = taylor_spec(cns_system_program(s->system), 40),
+                                .initial = s->planted},
+                        reference = {.flow = taylor_spec(cns_system_program(s->system), 60),
+                                     .initial = cns_system_initial(s->system)};
     cns_tc_pair pair = {.test = &test,
                         .reference = &reference,
                         .end = &s->times[0],
@@ -58,7 +65,7 @@ static void compare_planted(const setting *s, cns_tc_result *r)
                         .until = CNS_TC_EVERY_ONE};
     check_ok(cns_tc_compare(&pair, r, &err), &err);
     ck_assert(r->trusted);
-    ck_assert_int_eq(r->n, 1 + s->n);
+    ck_assert_int_eq(r->n, 1 + s->model.n_states);
 }
 
 static void check_found(const cns_tc_time *t, double time, double row)
@@ -76,7 +83,7 @@ START_TEST(planted_difference)
     const char *const initial[] = {"1", "0"}, *const planted[] = {"1.00000001", "0"};
     setting s;
     cns_tc_result r;
-    setting_init(&s, saddle(), initial, planted, "20", every[_i], "0.01");
+    setting_init(&s, 2, saddle, initial, planted, "20", every[_i], "0.01");
     compare_planted(&s, &r);
     check_found(&r.time[CNS_TC_NORM], log(1e6), row[_i]);
     ck_assert_int_eq((int)r.time[CNS_TC_STATE(0)].kind, CNS_TC_BEYOND);
@@ -93,7 +100,7 @@ START_TEST(one_long_interval)
     const char *const initial[] = {"1", "0"}, *const planted[] = {"1.00000000000001", "0"};
     setting s;
     cns_tc_result r;
-    setting_init(&s, saddle(), initial, planted, "30", "30", "0.01");
+    setting_init(&s, 2, saddle, initial, planted, "30", "30", "0.01");
     compare_planted(&s, &r);
     check_found(&r.time[CNS_TC_NORM], log(1e12), 30);
     cns_tc_result_clear(&r);
@@ -106,7 +113,7 @@ START_TEST(zero_over_zero_and_x_over_zero)
     const char *const initial[] = {"0", "0"}, *const planted[] = {"1e-20", "0"};
     setting s;
     cns_tc_result r;
-    setting_init(&s, saddle(), initial, planted, "60", "0.5", "0.01");
+    setting_init(&s, 2, saddle, initial, planted, "60", "0.5", "0.01");
     compare_planted(&s, &r);
     check_found(&r.time[CNS_TC_NORM], 18 * log(10), 41.5);
     check_found(&r.time[CNS_TC_STATE(0)], 0, 0);
@@ -124,9 +131,7 @@ START_TEST(observable_near_its_zero)
     for (int hit = 0; hit < 2; hit++) {
         setting s;
         cns_tc_result r;
-        cns_program *p = program_new(1, NULL);
-        cns_derivative(p, 0, cns_constant(p, "1"));
-        setting_init(&s, p, initial, planted, "1.2", hit ? "0.5" : "0.4", "0.01");
+        setting_init(&s, 1, uniform, initial, planted, "1.2", hit ? "0.5" : "0.4", "0.01");
         compare_planted(&s, &r);
         ck_assert_int_eq((int)r.time[CNS_TC_NORM].kind, CNS_TC_IDENTICAL); /* no state feeds back */
         if (hit)
@@ -142,18 +147,10 @@ END_TEST
 static cns_code measure(const setting *s, const cns_numerics *n, int until, long reference_digits,
                         cns_tc_result *r, cns_error *err)
 {
-    const cns_study study = {.initial = s->initial,
-                             .end = &s->times[0],
-                             .every = &s->times[1],
-                             .scales = unit_scales,
-                             .threads = 1};
-    const cns_tc_request request = {.numerics = n,
-                                    .program = s->program,
-                                    .truth = s->program,
-                                    .delta = &s->times[2],
-                                    .until = until,
-                                    .reference_digits = reference_digits};
-    return cns_tc_measure(&study, &request, r, err);
+    const cns_problem problem = {.system = s->system, .end = &s->times[0], .every = &s->times[1]};
+    const cns_tc_spec spec = {
+        .numerics = n, .delta = &s->times[2], .until = until, .reference_digits = reference_digits};
+    return cns_tc_measure(&problem, &spec, r, err);
 }
 
 static void numerics_init(cns_numerics *n, long digits, const char *step)
@@ -206,7 +203,7 @@ START_TEST(rounding_alone)
     cns_error err;
     cns_numerics n;
     numerics_init(&n, digits, "1");
-    setting_init(&s, saddle(), initial, initial, "60", "1/4", "0.01");
+    setting_init(&s, 2, saddle, initial, initial, "60", "1/4", "0.01");
     check_ok(measure(&s, &n, CNS_TC_NORM, 0, &r, &err), &err);
     ck_assert_int_ge(r.reference_digits, digits + 20);
     ck_assert_int_eq((int)r.time[CNS_TC_NORM].kind, CNS_TC_FOUND);
@@ -226,7 +223,7 @@ START_TEST(difference_that_does_not_grow)
     cns_error err;
     cns_numerics n;
     numerics_init(&n, 10, NULL);
-    setting_init(&s, saddle(), initial, initial, "10", "0.5", "0.01");
+    setting_init(&s, 2, saddle, initial, initial, "10", "0.5", "0.01");
     check_ok(measure(&s, &n, CNS_TC_NORM, 0, &r, &err), &err);
     ck_assert_int_eq((int)r.time[CNS_TC_NORM].kind, CNS_TC_STILL);
     ck_assert_int_eq((int)r.time[CNS_TC_STATE(0)].kind, CNS_TC_IDENTICAL);
@@ -246,7 +243,7 @@ START_TEST(poor_reference)
     cns_error err;
     cns_numerics n;
     numerics_init(&n, 12, NULL);
-    setting_init(&s, saddle(), initial, initial, "60", "1/4", "0.01");
+    setting_init(&s, 2, saddle, initial, initial, "60", "1/4", "0.01");
     ck_assert_int_eq((int)measure(&s, &n, CNS_TC_NORM, 14, &r, &err), CNS_UNREACHED);
     ck_assert(!r.trusted);
     ck_assert(strstr(err.text, "more digits") != NULL);
@@ -273,7 +270,7 @@ START_TEST(reference_digits_are_raised)
     numerics_init(&n, 5, NULL);
     /* x = 0 is an invariant line, on which nothing is ever off; an error of the reference may have grown to
      * e^120 times its size all the same. */
-    setting_init(&s, saddle(), initial, initial, "120", "4", "0.01");
+    setting_init(&s, 2, saddle, initial, initial, "120", "4", "0.01");
     check_ok(measure(&s, &n, CNS_TC_EVERY_ONE, 0, &r, &err), &err);
     ck_assert_int_gt(r.reference_digits, 5 + 22);
     ck_assert_double_eq(r.compared, 120);
@@ -291,13 +288,13 @@ START_TEST(digits_kept)
     static const cns_method methods[] = {CNS_METHOD_TAYLOR, CNS_METHOD_TAYLOR, CNS_METHOD_RK4};
     static const cns_arithmetic arithmetics[] = {CNS_ARITH_MPFR, CNS_ARITH_FAST, CNS_ARITH_MPFR};
     enum { DIGITS = 12 };
-    cns_program *p = model_program("apw", NULL);
+    cns_system *system = system_new(cns_model_find("apw"), NULL);
     cns_error err;
     cns_numerics n;
     numerics_init(&n, DIGITS, methods[_i] == CNS_METHOD_RK4 ? "0.05" : NULL);
     n.method = methods[_i];
     n.arithmetic = arithmetics[_i];
-    cns_flow_spec spec = cns_tc_flow(p, unit_scales, &n, NULL);
+    cns_flow_spec spec = cns_tc_flow(system, &n, NULL);
     ck_assert_int_eq(spec.round_digits, DIGITS);
     ck_assert_int_gt(spec.prec, cns_digits_to_bits(DIGITS + 10));
     cns_flow *f = flow_started(&spec, initial);
@@ -337,15 +334,15 @@ START_TEST(digits_kept)
     vector_free(inner, MAX_STATES);
     cns_flow_free(f);
     numerics_clear(&n);
-    cns_program_free(p);
+    cns_system_free(system);
 }
 END_TEST
 
 START_TEST(double_keeps_no_decimals)
 {
     cns_error err;
-    cns_program *p = model_program("lorenz", NULL);
-    cns_flow_spec spec = taylor_spec(p, 16);
+    cns_system *system = system_new(cns_model_find("lorenz"), NULL);
+    cns_flow_spec spec = taylor_spec(cns_system_program(system), 16);
     spec.arithmetic = CNS_ARITH_DOUBLE;
     spec.round_digits = 10;
     ck_assert_ptr_null(cns_flow_new(&spec, &err));
@@ -353,9 +350,9 @@ START_TEST(double_keeps_no_decimals)
     cns_numerics n;
     numerics_init(&n, 0, NULL);
     n.arithmetic = CNS_ARITH_DOUBLE;
-    ck_assert_int_eq(cns_tc_flow(p, unit_scales, &n, NULL).round_digits, 0);
+    ck_assert_int_eq(cns_tc_flow(system, &n, NULL).round_digits, 0);
     numerics_clear(&n);
-    cns_program_free(p);
+    cns_system_free(system);
 }
 END_TEST
 

@@ -119,7 +119,7 @@ static void counted_square(cns_arith *A, int sign, int a, int n, int lo)
     cns_arith_double.square(A, sign, a, n, lo);
 }
 
-static double products(const cns_bench_problem *p, int order, long digits)
+static double products(const cns_system *p, int order, long digits)
 {
     enum { H_LOG2 = -5, GUARD_BITS = 40 }; /* a small step: nothing overflows; what src/integrate adds */
     cns_error err;
@@ -127,7 +127,7 @@ static double products(const cns_bench_problem *p, int order, long digits)
     ops.conv = counted_conv;
     ops.square = counted_square;
     ops.orders = NULL; /* which would call its own */
-    cns_jet_spec spec = {.program = cns_bench_program(p), .ops = &ops, .order = order, .prec = 53};
+    cns_jet_spec spec = {.program = cns_system_program(p), .ops = &ops, .order = order, .prec = 53};
     cns_jet *J = cns_jet_new(&spec, &err);
     fx *F =
         cns_fx_create(1, order, cns_digits_to_bits(digits) + GUARD_BITS, cns_fx_kernel_choose("portable"));
@@ -136,8 +136,8 @@ static double products(const cns_bench_problem *p, int order, long digits)
     mpfr_t x;
     mpfr_init2(x, 53);
     cns_jet_begin(J, ldexp(1, H_LOG2));
-    for (int i = 0; i < cns_bench_states(p); i++) {
-        cns_number_get_mpfr(x, &cns_bench_initial(p)[i]);
+    for (int i = 0; i < cns_program_states(cns_system_program(p)); i++) {
+        cns_number_get_mpfr(x, &cns_system_initial(p)[i]);
         cns_jet_set_state(J, i, x);
     }
     mpfr_clear(x);
@@ -160,12 +160,12 @@ typedef struct heyoka_result {
     long digits; /* asked for in the end */
 } heyoka_result;
 
-static bool heyoka_run(const char *script, const cns_bench_problem *p, const cns_bench_row *row, long digits,
+static bool heyoka_run(const char *script, const cns_system *p, const cns_bench_row *row, long digits,
                        int runs, const mpfr_t *truth, heyoka_result *result)
 {
     enum { LINE = 1 << 14 };
     static char line[LINE];
-    const int n = cns_bench_states(p);
+    const int n = cns_program_states(cns_system_program(p));
     int states = 0;
     snprintf(line, sizeof line, "python3 '%s' '%s' %ld %.17g %d", script, cns_bench_system_name(row->system),
              digits, row->until, runs);
@@ -197,7 +197,7 @@ static bool heyoka_run(const char *script, const cns_bench_problem *p, const cns
     return good;
 }
 
-static bool heyoka(const char *script, const cns_bench_problem *p, const cns_bench_row *row, int runs,
+static bool heyoka(const char *script, const cns_system *p, const cns_bench_row *row, int runs,
                    heyoka_result *result)
 {
     enum { TRIES = 3 };
@@ -227,7 +227,7 @@ static void one_row(cns_bench_row *row, int runs, const char *script)
 {
     cns_error err;
     const cns_bench_spec spec = {.runs = runs};
-    cns_bench_problem *p = cns_bench_problem_new(row->system, &err);
+    cns_system *p = cns_bench_system_new(row->system, &err);
     if (!p || cns_bench_fill(&spec, row, 1, &err))
         die(err.text);
     const cns_bench_cell *plain = &row->cells[CNS_BENCH_MPFR];
@@ -253,7 +253,7 @@ static void one_row(cns_bench_row *row, int runs, const char *script)
         printf("  %10.4g %5.1fx %4ld %6.1f %4d", h.seconds, h.seconds / best, h.digits, h.right, h.runs);
     putchar('\n');
     fflush(stdout);
-    cns_bench_problem_free(p);
+    cns_system_free(p);
 }
 
 int main(int argc, char **argv)

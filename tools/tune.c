@@ -26,10 +26,10 @@ static void die(const char *what)
     exit(1);
 }
 
-static cns_bench_problem *problem(cns_bench_system system)
+static cns_system *problem(cns_bench_system system)
 {
     cns_error err;
-    cns_bench_problem *p = cns_bench_problem_new(system, &err);
+    cns_system *p = cns_bench_system_new(system, &err);
     if (!p)
         die(err.text);
     return p;
@@ -43,7 +43,7 @@ typedef struct cost {
     double covered, steps;
 } cost;
 
-static void measure(cost *c, const cns_bench_problem *p, cns_bench_engine engine, long digits, int order,
+static void measure(cost *c, const cns_system *p, cns_bench_engine engine, long digits, int order,
                     double until)
 {
     cns_error err;
@@ -92,7 +92,7 @@ static int order_by(double bits, long digits)
 static void order_row(cns_bench_system system, cns_bench_engine engine, long digits, double *log_sum)
 {
     const double seconds = 8; /* for a row, about */
-    cns_bench_problem *p = problem(system);
+    cns_system *p = problem(system);
     cost rule = {0}, each[CANDIDATES] = {{0}};
     const double until = system == CNS_BENCH_LORENZ ? 1 : 3, began = cns_process_seconds();
     for (int r = 0; r < ROUNDS && (r < LEAST_ROUNDS || cns_process_seconds() - began < seconds); r++) {
@@ -116,7 +116,7 @@ static void order_row(cns_bench_system system, cns_bench_engine engine, long dig
     for (int i = 0; i < CANDIDATES; i++)
         free(each[i].least);
     free(rule.least);
-    cns_bench_problem_free(p);
+    cns_system_free(p);
 }
 
 static void tune_order(long only)
@@ -160,22 +160,22 @@ typedef struct expansion {
 } expansion;
 
 /* False where the coefficients do not fit. */
-static bool expand(const cns_bench_problem *p, const mpfr_t *state, cns_jet *J, int order, double H)
+static bool expand(const cns_system *p, const mpfr_t *state, cns_jet *J, int order, double H)
 {
     cns_error err;
     cns_jet_begin(J, H);
-    for (int i = 0; i < cns_bench_states(p); i++)
+    for (int i = 0; i < cns_program_states(cns_system_program(p)); i++)
         cns_jet_set_state(J, i, state[i]);
     return !cns_jet_expand(J, order, &err);
 }
 
 /* The step at which the last coefficients are below 2^-tolerance. */
-static double step_for(const cns_bench_problem *p, const mpfr_t *state, int order, double tolerance)
+static double step_for(const cns_system *p, const mpfr_t *state, int order, double tolerance)
 {
     enum { PREC = 128, TESTED = 4 };
     cns_error err;
     const cns_jet_spec spec = {
-        .program = cns_bench_program(p), .ops = &cns_arith_mpfr, .order = order, .prec = PREC};
+        .program = cns_system_program(p), .ops = &cns_arith_mpfr, .order = order, .prec = PREC};
     cns_jet *J = cns_jet_new(&spec, &err);
     if (!J)
         die(err.text);
@@ -183,10 +183,10 @@ static double step_for(const cns_bench_problem *p, const mpfr_t *state, int orde
         die("no expansion in MPFR");
     double best = HUGE_VAL;
     for (int k = order - TESTED + 1; k <= order; k++)
-        for (int i = 0; i < cns_bench_states(p); i++) {
+        for (int i = 0; i < cns_program_states(cns_system_program(p)); i++) {
             long e;
             const double m = fabs(cns_jet_coefficient_2exp(J, &e, i, k));
-            if (m > 0 && cns_program_is_dynamic(cns_bench_program(p), i))
+            if (m > 0 && cns_program_is_dynamic(cns_system_program(p), i))
                 best = fmin(best, (-tolerance - cns_log2_2exp(m, e)) / k);
         }
     cns_jet_free(J);
@@ -197,7 +197,7 @@ static double step_for(const cns_bench_problem *p, const mpfr_t *state, int orde
 enum { NOISE_ALLOWED = 10, STATE_GUARD = 17 };
 
 /* The worst bound on the noise of expansions along the arc, with these steps. */
-static double worst_noise(const cns_bench_problem *p, cns_jet *J, int order, double tolerance)
+static double worst_noise(const cns_system *p, cns_jet *J, int order, double tolerance)
 {
     enum { POINTS = 24 };
     static const double end = 7.5;
@@ -229,7 +229,7 @@ static void decay_row(long digits)
                   {4.05, 4, 40}, {3.05, 3, 0}, {3.05, 3, 20}, {3.05, 3, 60}};
     enum { CHOICES = sizeof choice / sizeof *choice, COMMITTED = 7, REPEATS = 2000, BURST = 2 };
     const double seconds = 12, tolerance = (double)digits * CNS_LOG2_10;
-    cns_bench_problem *p = problem(CNS_BENCH_APW);
+    cns_system *p = problem(CNS_BENCH_APW);
     expansion x[CHOICES];
     cns_error err;
     cns_bench_run at = {0};
@@ -238,7 +238,7 @@ static void decay_row(long digits)
         die(err.text);
     for (int c = 0; c < CHOICES; c++) {
         x[c].order = order_by(choice[c].bits, digits);
-        const cns_jet_spec spec = {.program = cns_bench_program(p),
+        const cns_jet_spec spec = {.program = cns_system_program(p),
                                    .ops = &cns_arith_fast,
                                    .order = x[c].order,
                                    .prec = cns_digits_to_bits(digits) + choice[c].guard};
@@ -272,7 +272,7 @@ static void decay_row(long digits)
     }
     fflush(stdout);
     cns_bench_run_clear(&at);
-    cns_bench_problem_free(p);
+    cns_system_free(p);
 }
 
 static void tune_decay(long only)
@@ -300,7 +300,7 @@ static void small_row(cns_bench_system system, long digits, int order)
 {
     enum { STEPS = 200, SMALL_ROUNDS = 60 };
     const double seconds = 2; /* for a row, about */
-    cns_bench_problem *p = problem(system);
+    cns_system *p = problem(system);
     cost first = {0}, cost_of[CNS_BENCH_ENGINES] = {{0}};
     measure(&first, p, CNS_BENCH_MPFR, digits, order, 1e-9);
     const double until = STEPS / first.steps, began = cns_process_seconds();
@@ -323,7 +323,7 @@ static void small_row(cns_bench_system system, long digits, int order)
     fflush(stdout);
     for (int e = 0; e < CNS_BENCH_ENGINES; e++)
         free(cost_of[e].least);
-    cns_bench_problem_free(p);
+    cns_system_free(p);
 }
 
 static void tune_small(long only)

@@ -10,7 +10,9 @@
 #include "cns/number.h"
 #include "cns/solve.h"
 #include "cns/status.h"
-#include "cns/study.h"
+#include "cns/study/bisect.h"
+#include "cns/study/laws.h"
+#include "cns/study/lyapunov.h"
 
 CNS_BEGIN_DECLS
 

@@ -73,7 +73,8 @@ typedef struct cns_model_published {
     int order;
 } cns_model_published;
 
-typedef struct cns_model {
+typedef struct cns_model cns_model;
+struct cns_model {
     const char *name;
     const char *title;
     const char *source; /* where the equations come from */
@@ -83,7 +84,8 @@ typedef struct cns_model {
     const cns_model_output *outputs;
     const cns_model_motion *motion; /* NULL: no state is an angle */
     /* Writes the right-hand side and the outputs (in the order of `outputs`) into a new program. */
-    void (*build)(cns_program *p);
+    void (*build)(cns_program *p, const cns_model *model);
+    const void *data; /* of build's own; may be NULL */
     /* The guesses for all fixed points that there are with these parameters, at most CNS_MODEL_MAX_GUESSES,
      * up to turns of an angle by 2 pi; returns how many. NULL: the model knows none. */
     int (*equilibria)(const double *parameters, cns_model_guess *guesses);
@@ -91,7 +93,7 @@ typedef struct cns_model {
     const cns_model_symmetry *symmetries;
     const cns_model_connection *connection; /* NULL: none known */
     const cns_model_published *published;   /* NULL: none known */
-} cns_model;
+};
 
 int cns_model_count(void);
 const cns_model *cns_model_at(int i);

@@ -66,7 +66,8 @@ double cns_program_smooth_log2(const cns_program *p); /* log2 of its eps */
  * steers steps nor amplifies errors. Of a finished program. */
 bool cns_program_is_dynamic(const cns_program *p, int i);
 
-void cns_program_print(const cns_program *p, FILE *out); /* one operation per line */
+/* One operation per line; parameters by their number, whatever their values. */
+void cns_program_print(const cns_program *p, FILE *out);
 
 CNS_END_DECLS
 

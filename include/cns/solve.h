@@ -13,7 +13,9 @@
 
 #include "cns/events.h"
 #include "cns/flow.h"
+#include "cns/monitor.h"
 #include "cns/number.h"
+#include "cns/system.h"
 
 CNS_BEGIN_DECLS
 
@@ -59,30 +61,21 @@ typedef struct cns_row {
     double growth;
 } cns_row;
 
-typedef struct cns_progress {
-    const cns_run_info *run;
-    double t, end, seconds; /* of this attempt */
-    double fraction;        /* of its work, 0..1: by the plan, where there is one */
-} cns_progress;
-
 /* What a run reports, while it goes on. Any function may be NULL. A sink's failure ends the run. */
 typedef struct cns_sink {
     void *context;
     cns_code (*begin)(void *context, const cns_run_info *run, cns_error *err); /* each attempt */
     cns_code (*row)(void *context, const cns_row *row, cns_error *err);        /* final */
-    void (*progress)(void *context, const cns_progress *progress);
 } cns_sink;
 
+/* A system and the rows wanted of its trajectory. All is borrowed. */
 typedef struct cns_problem {
-    const cns_program *program;
-    const double *scales;          /* per state */
-    const cns_number *initial;     /* per state */
+    const cns_system *system;
     const cns_number *end, *every; /* rows at multiples of every and at the end */
     const cns_column *columns;
     int n_columns;
-    int threads; /* more than 1: the two runs of a proof side by side; the results are the same */
-    const volatile sig_atomic_t *stop;
-    const cns_sink *sink;
+    const cns_monitor *monitor; /* more than one thread: the two runs of a proof side by side */
+    const cns_sink *sink;       /* NULL: nobody wants to see rows */
 } cns_problem;
 
 typedef struct cns_result {

@@ -8,26 +8,24 @@
 
 #include "arith/arith.h"
 #include "cns/flow.h"
-#include "cns/model.h"
 #include "core/clock.h"
 #include "core/memory.h"
-#include "integrate/trajectory.h"
+#include "core/monitor.h"
 #include "num/logs.h"
 
-struct cns_bench_problem {
-    const cns_model *model;
-    cns_program *program;
-    cns_number *initial;
-    double *scales;
-};
+#define APW_START                                                                                            \
+    {"theta", "1.7"}, {"Vx", "-0.45"}, {"Vy", "-0.3"},                                                       \
+    {                                                                                                        \
+        "omega", "0.6"                                                                                       \
+    }
 
 static const struct {
-    const char *name, *model, *eps;
-    const char *initial[8];
+    const char *name, *model;
+    cns_setting settings[8];
 } systems[CNS_BENCH_SYSTEMS] = {
-    [CNS_BENCH_APW] = {"apw", "apw", NULL, {"0", "0", "1.7", "-0.45", "-0.3", "0.6"}},
-    [CNS_BENCH_APW_SMOOTH] = {"apw, eps 1e-3", "apw", "1e-3", {"0", "0", "1.7", "-0.45", "-0.3", "0.6"}},
-    [CNS_BENCH_LORENZ] = {"lorenz", "lorenz", NULL, {"-15.8", "-17.48", "35.64"}},
+    [CNS_BENCH_APW] = {"apw", "apw", {APW_START}},
+    [CNS_BENCH_APW_SMOOTH] = {"apw, eps 1e-3", "apw", {APW_START, {"smooth", "1e-3"}}},
+    [CNS_BENCH_LORENZ] = {"lorenz", "lorenz", {{"x", "-15.8"}, {"y", "-17.48"}, {"z", "35.64"}}},
 };
 
 static const char *const engines[CNS_BENCH_ENGINES] = {"mpfr", "portable", "avx512ifma"};
@@ -42,78 +40,9 @@ const char *cns_bench_system_name(cns_bench_system system)
     return systems[system].name;
 }
 
-/* Problems. */
-
-static cns_code parse(cns_number *x, const char *text, cns_error *err)
+cns_system *cns_bench_system_new(cns_bench_system system, cns_error *err)
 {
-    cns_number_init(x);
-    return cns_number_parse(x, text, err);
-}
-
-static cns_code build(cns_bench_problem *p, cns_bench_system system, cns_error *err)
-{
-    const cns_model *m = p->model;
-    cns_number *parameters = cns_xalloc((size_t)m->n_parameters, sizeof *parameters), eps;
-    cns_program_options options = {NULL};
-    cns_code code = parse(&eps, systems[system].eps ? systems[system].eps : "0", err);
-    if (systems[system].eps)
-        options.smooth = &eps;
-    for (int i = 0; i < m->n_parameters; i++) {
-        cns_code one = parse(&parameters[i], m->parameters[i].standard, err);
-        code = code ? code : one;
-    }
-    for (int i = 0; i < m->n_states; i++) {
-        cns_code one = parse(&p->initial[i], systems[system].initial[i], err);
-        code = code ? code : one;
-        p->scales[i] = m->states[i].scale;
-    }
-    if (!code)
-        code = cns_model_program(m, parameters, &options, &p->program, err);
-    for (int i = 0; i < m->n_parameters; i++)
-        cns_number_clear(&parameters[i]);
-    cns_number_clear(&eps);
-    free(parameters);
-    return code;
-}
-
-cns_bench_problem *cns_bench_problem_new(cns_bench_system system, cns_error *err)
-{
-    cns_bench_problem *p = cns_xalloc(1, sizeof *p);
-    p->model = cns_model_find(systems[system].model);
-    p->initial = cns_xalloc((size_t)p->model->n_states, sizeof *p->initial);
-    p->scales = cns_xalloc((size_t)p->model->n_states, sizeof *p->scales);
-    if (build(p, system, err)) {
-        cns_bench_problem_free(p);
-        return NULL;
-    }
-    return p;
-}
-
-void cns_bench_problem_free(cns_bench_problem *p)
-{
-    if (!p)
-        return;
-    for (int i = 0; i < p->model->n_states; i++)
-        cns_number_clear(&p->initial[i]);
-    cns_program_free(p->program);
-    free(p->initial);
-    free(p->scales);
-    free(p);
-}
-
-int cns_bench_states(const cns_bench_problem *p)
-{
-    return p->model->n_states;
-}
-
-const cns_program *cns_bench_program(const cns_bench_problem *p)
-{
-    return p->program;
-}
-
-const cns_number *cns_bench_initial(const cns_bench_problem *p)
-{
-    return p->initial;
+    return cns_system_parse(cns_model_find(systems[system].model), systems[system].settings, err);
 }
 
 /* The kernel is chosen by the environment, which is put back as it was. */
@@ -173,9 +102,9 @@ static cns_code reach(cns_flow *f, double until, cns_bench_run *run, cns_error *
     return code;
 }
 
-static void end_states(cns_flow *f, const cns_bench_problem *p, double until, cns_bench_run *run)
+static void end_states(cns_flow *f, const cns_system *p, double until, cns_bench_run *run)
 {
-    run->n = cns_bench_states(p);
+    run->n = cns_program_states(cns_system_program(p));
     run->end = cns_xalloc((size_t)run->n, sizeof *run->end);
     for (int i = 0; i < run->n; i++)
         mpfr_init2(run->end[i], cns_flow_prec(f));
@@ -186,10 +115,9 @@ static void end_states(cns_flow *f, const cns_bench_problem *p, double until, cn
     mpq_clear(time);
 }
 
-static cns_code follow(cns_flow *f, const cns_bench_problem *p, double until, cns_bench_run *run,
-                       cns_error *err)
+static cns_code follow(cns_flow *f, const cns_system *p, double until, cns_bench_run *run, cns_error *err)
 {
-    cns_flow_start(f, p->initial);
+    cns_flow_start(f, cns_system_initial(p));
     cns_code code = cns_flow_step(f, err);
     if (code)
         return code;
@@ -207,11 +135,11 @@ static cns_code follow(cns_flow *f, const cns_bench_problem *p, double until, cn
     return CNS_OK;
 }
 
-cns_code cns_bench_measure(const cns_bench_problem *p, const cns_bench_job *job, cns_bench_run *run,
-                           cns_error *err)
+cns_code cns_bench_measure(const cns_system *p, const cns_bench_job *job, cns_bench_run *run, cns_error *err)
 {
     const cns_arithmetic arithmetic = job->engine == CNS_BENCH_MPFR ? CNS_ARITH_MPFR : CNS_ARITH_FAST;
-    cns_flow_spec spec = cns_flow_spec_taylor(p->program, p->scales, arithmetic, job->digits);
+    cns_flow_spec spec =
+        cns_flow_spec_taylor(cns_system_program(p), cns_system_scales(p), arithmetic, job->digits);
     if (job->order)
         spec.order = job->order;
     spec.stop = job->stop;
@@ -230,17 +158,17 @@ cns_code cns_bench_measure(const cns_bench_problem *p, const cns_bench_job *job,
     return code;
 }
 
-double cns_bench_agreed(const cns_bench_problem *p, const mpfr_t *x, const mpfr_t *y)
+double cns_bench_agreed(const cns_system *p, const mpfr_t *x, const mpfr_t *y)
 {
     double least = HUGE_VAL;
     mpfr_t d;
     mpfr_init2(d, 64);
-    for (int i = 0; i < cns_bench_states(p); i++) {
+    for (int i = 0; i < cns_program_states(cns_system_program(p)); i++) {
         long e;
         mpfr_sub(d, x[i], y[i], MPFR_RNDN);
-        if (!cns_program_is_dynamic(p->program, i) || mpfr_zero_p(d))
+        if (!cns_program_is_dynamic(cns_system_program(p), i) || mpfr_zero_p(d))
             continue;
-        double m = fabs(mpfr_get_d_2exp(&e, d, MPFR_RNDN)) / p->scales[i];
+        double m = fabs(mpfr_get_d_2exp(&e, d, MPFR_RNDN)) / cns_system_scales(p)[i];
         least = fmin(least, -cns_log10_2exp(m, e));
     }
     mpfr_clear(d);
@@ -252,7 +180,7 @@ static cns_bench_engine best_engine(void)
     return cns_bench_has(CNS_BENCH_IFMA) ? CNS_BENCH_IFMA : CNS_BENCH_PORTABLE;
 }
 
-cns_code cns_bench_reference(const cns_bench_problem *p, long digits, double until,
+cns_code cns_bench_reference(const cns_system *p, long digits, double until,
                              const volatile sig_atomic_t *stop, cns_bench_run *run, cns_error *err)
 {
     cns_bench_job job = {
@@ -309,16 +237,13 @@ static bool fits(const filling *w, double seconds)
 static void tell(filling *w, const cns_bench_row *row, cns_bench_engine engine, double fraction)
 {
     char what[96];
-    if (!w->spec->progress)
-        return;
     snprintf(what, sizeof what, "%s, %ld digits, %s", systems[row->system].name, row->digits,
              engines[engine]);
-    w->spec->progress(w->spec->context, fraction, what);
+    cns_monitor_tell(w->spec->monitor, fraction, what);
 }
 
 /* A round of the cells of one row: each engine once, beginning with another one each time. */
-static cns_code fill_row(filling *w, const cns_bench_problem *p, cns_bench_row *row, int round,
-                         cns_error *err)
+static cns_code fill_row(filling *w, const cns_system *p, cns_bench_row *row, int round, cns_error *err)
 {
     enum { REFERENCE_COST = 2 }; /* in runs of the fastest engine */
     cns_bench_run runs[CNS_BENCH_ENGINES] = {{0}}, reference = {0};
@@ -336,8 +261,10 @@ static cns_code fill_row(filling *w, const cns_bench_problem *p, cns_bench_row *
                                     ? (cns_seconds() - w->began) / w->spec->seconds
                                     : ((double)(row - w->rows) / w->n + round) / w->spec->runs;
         tell(w, row, engine, fmin(1, fraction));
-        const cns_bench_job job = {
-            .engine = engine, .digits = row->digits, .until = row->until, .stop = w->spec->stop};
+        const cns_bench_job job = {.engine = engine,
+                                   .digits = row->digits,
+                                   .until = row->until,
+                                   .stop = cns_monitor_stop(w->spec->monitor)};
         code = cns_bench_measure(p, &job, &runs[engine], err);
         if (code)
             break;
@@ -347,7 +274,8 @@ static cns_code fill_row(filling *w, const cns_bench_problem *p, cns_bench_row *
         first = round == 0;
     }
     if (!code && first)
-        code = cns_bench_reference(p, row->digits, row->until, w->spec->stop, &reference, err);
+        code = cns_bench_reference(p, row->digits, row->until, cns_monitor_stop(w->spec->monitor), &reference,
+                                   err);
     for (int i = 0; i < CNS_BENCH_ENGINES && !code && first; i++)
         if (row->cells[i].runs)
             row->cells[i].right =
@@ -366,18 +294,18 @@ static cns_code fill_row(filling *w, const cns_bench_problem *p, cns_bench_row *
 cns_code cns_bench_fill(const cns_bench_spec *spec, cns_bench_row *rows, int n, cns_error *err)
 {
     filling w = {.spec = spec, .rows = rows, .n = n, .began = cns_seconds()};
-    cns_bench_problem *problems[CNS_BENCH_SYSTEMS] = {NULL};
+    cns_system *problems[CNS_BENCH_SYSTEMS] = {NULL};
     cns_code code = CNS_OK;
     for (int i = 0; i < n; i++)
         memset(rows[i].cells, 0, sizeof rows[i].cells);
     for (int i = 0; i < CNS_BENCH_SYSTEMS && !code; i++) {
-        problems[i] = cns_bench_problem_new((cns_bench_system)i, err);
+        problems[i] = cns_bench_system_new((cns_bench_system)i, err);
         code = problems[i] ? CNS_OK : err->code;
     }
     for (int round = 0; round < spec->runs && !code; round++)
         for (int i = 0; i < n && !code; i++)
             code = fill_row(&w, problems[rows[i].system], &rows[i], round, err);
     for (int i = 0; i < CNS_BENCH_SYSTEMS; i++)
-        cns_bench_problem_free(problems[i]);
+        cns_system_free(problems[i]);
     return code;
 }

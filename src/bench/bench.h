@@ -13,9 +13,8 @@
 #include <signal.h>
 #include <stdbool.h>
 
-#include "cns/number.h"
-#include "cns/program.h"
-#include "cns/status.h"
+#include "cns/monitor.h"
+#include "cns/system.h"
 
 typedef enum cns_bench_engine {
     CNS_BENCH_MPFR,
@@ -35,13 +34,8 @@ const char *cns_bench_engine_name(cns_bench_engine engine); /* mpfr, portable, a
 const char *cns_bench_system_name(cns_bench_system system);
 bool cns_bench_has(cns_bench_engine engine); /* on this machine */
 
-typedef struct cns_bench_problem cns_bench_problem;
-
-cns_bench_problem *cns_bench_problem_new(cns_bench_system system, cns_error *err);
-void cns_bench_problem_free(cns_bench_problem *p);
-int cns_bench_states(const cns_bench_problem *p);
-const cns_program *cns_bench_program(const cns_bench_problem *p);
-const cns_number *cns_bench_initial(const cns_bench_problem *p); /* one per state */
+/* NULL, with err, when memory ends. */
+cns_system *cns_bench_system_new(cns_bench_system system, cns_error *err);
 
 /* One run. */
 
@@ -65,16 +59,15 @@ typedef struct cns_bench_run {
 } cns_bench_run;
 
 /* *run must be zeros or an earlier run, which it replaces. CNS_USAGE: no such engine on this machine. */
-cns_code cns_bench_measure(const cns_bench_problem *p, const cns_bench_job *job, cns_bench_run *run,
-                           cns_error *err);
+cns_code cns_bench_measure(const cns_system *p, const cns_bench_job *job, cns_bench_run *run, cns_error *err);
 void cns_bench_run_clear(cns_bench_run *run);
 
 /* Digits that n states x have in common with y, relative to the scales of the model: the least over the
  * dynamic states; HUGE_VAL when all are equal. */
-double cns_bench_agreed(const cns_bench_problem *p, const mpfr_t *x, const mpfr_t *y);
+double cns_bench_agreed(const cns_system *p, const mpfr_t *x, const mpfr_t *y);
 
 /* The true states at `until`, by the fast arithmetic with a fifth more digits and some. */
-cns_code cns_bench_reference(const cns_bench_problem *p, long digits, double until,
+cns_code cns_bench_reference(const cns_system *p, long digits, double until,
                              const volatile sig_atomic_t *stop, cns_bench_run *run, cns_error *err);
 
 /* Tables. */
@@ -99,9 +92,7 @@ typedef struct cns_bench_row {
 typedef struct cns_bench_spec {
     double seconds; /* of the clock for all; what is expected to exceed it is left out. 0: no limit */
     int runs;       /* at most, of each cell; 1..CNS_BENCH_RUNS */
-    const volatile sig_atomic_t *stop;
-    void (*progress)(void *context, double fraction, const char *what); /* may be NULL */
-    void *context;
+    const cns_monitor *monitor;
 } cns_bench_spec;
 
 /* Fills the cells of all rows, which must come with the digits of a system increasing. Engines take turns.

@@ -3,6 +3,7 @@
 
 #include "bench/bench.h"
 #include "commands.h"
+#include "core/monitor.h"
 #include "report.h"
 
 enum { DEFAULT_SECONDS = 20 };
@@ -25,7 +26,7 @@ static void on_progress(void *context, double fraction, const char *what)
 {
     cns_context *cx = context;
     if (cx->meter.terminal)
-        cx->study.progress(cx->study.context, fraction, what);
+        cns_monitor_tell(&cx->monitor, fraction, what);
 }
 
 static bool left_out(const cns_bench_row *row)
@@ -121,11 +122,8 @@ static int run(cns_context *cx)
         rows[i].digits = stretches[i / CNS_BENCH_SYSTEMS].digits;
         rows[i].until = stretches[i / CNS_BENCH_SYSTEMS].until[rows[i].system];
     }
-    const cns_bench_spec spec = {.seconds = seconds_of(cx->o),
-                                 .runs = CNS_BENCH_RUNS,
-                                 .stop = cx->study.stop,
-                                 .progress = on_progress,
-                                 .context = cx};
+    const cns_monitor monitor = {.stop = cx->monitor.stop, .progress = on_progress, .context = cx};
+    const cns_bench_spec spec = {.seconds = seconds_of(cx->o), .runs = CNS_BENCH_RUNS, .monitor = &monitor};
     cns_code code = cns_bench_fill(&spec, rows, ROWS, &err);
     return cns_report(cx, code, &err, &view, code ? NULL : rows);
 }

@@ -1,36 +1,11 @@
 /* cns bisect: a critical parameter. */
 #include "cns/study/bisect.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "commands.h"
 #include "core/clock.h"
-#include "core/memory.h"
-#include "integrate/trajectory.h"
 #include "report.h"
-
-/* What a probe depends on besides the parameter sought: model, the other parameters, abs. */
-static char *identity_of(const cns_case *c)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (out == NULL)
-        return cns_xcopy("");
-    fprintf(out, "bisect %s by %s\n", c->model->name, c->bisect.by_manifold ? "manifold" : "trajectory");
-    for (int i = 0; i < c->model->n_parameters; i++)
-        if (i != c->bisect.parameter)
-            fprintf(out, "%s: %s\n", c->model->parameters[i].name, c->parameters[i].text);
-        else
-            fprintf(out, "%s: sought\n", c->model->parameters[i].name);
-    if (!c->bisect.by_manifold)
-        for (int i = 0; i < c->model->n_states; i++)
-            fprintf(out, "%s: %s\n", c->model->states[i].name, c->initial[i].text);
-    fprintf(out, "abs: %s\n", c->smooth ? c->eps.text : "exact");
-    fclose(out);
-    return text;
-}
 
 static const char *parameter_name(const cns_case *c)
 {
@@ -87,15 +62,11 @@ static int run(cns_context *cx)
     if (!c->has_bisect)
         return cns_complain(CNS_USAGE, "%s: `cns bisect` needs a section `bisect`", cx->o->operands.at[0]);
     listener l = {.cx = cx};
-    char *identity = identity_of(c);
-    const cns_bisect_store store = {.directory = cx->o->output, .identity = identity};
-    cx->study.progress = on_progress;
-    cx->study.context = &l;
-    cns_code code = c->bisect.by_manifold ? cns_bisect_manifold(&cx->study, &c->bisect, &store, &r, &err)
-                                          : cns_bisect_trajectory(&cx->study, &c->bisect, &store, &r, &err);
+    cx->monitor.progress = on_progress;
+    cx->monitor.context = &l;
+    cns_code code = cns_bisect(cx->system, &c->bisect, cx->o->output, &cx->monitor, &r, &err);
     int status = cns_report(cx, code, &err, &view, r.lower != NULL ? &r : NULL);
     cns_bisect_clear(&r);
-    free(identity);
     return status;
 }
 

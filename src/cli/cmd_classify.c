@@ -111,31 +111,12 @@ static int classify(cns_context *cx, const cns_classify_spec *spec, const char *
     static const cns_view view = {.text = print_text, .yaml = print_yaml};
     found_motion found = {.observable = observable};
     cns_error err = {0};
-    cns_code code = cns_classify(&cx->study, spec, &found.motion, &err);
+    cns_code code = cns_classify(cx->system, spec, &cx->monitor, &found.motion, &err);
     int status = cns_report(cx, code, &err, &view, code ? NULL : &found);
     if (!status && found.motion.mode == CNS_MODE_UNDECIDED)
         status = CNS_UNREACHED;
     cns_motion_clear(&found.motion);
     return status;
-}
-
-/* All that a row depends on besides the value of the parameter. */
-static char *identity_of(const cns_case *c, const cns_classify_spec *spec)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (out == NULL)
-        return cns_xcopy("");
-    fprintf(out, "classify %s, observable %d, until %.17g, digits %ld, cns %s\n", c->model->name,
-            spec->observable, spec->until, spec->max_digits, CNS_VERSION);
-    for (int i = 0; i < c->model->n_parameters; i++)
-        fprintf(out, "%s: %s\n", c->model->parameters[i].name, c->parameters[i].text);
-    for (int i = 0; i < c->model->n_states; i++)
-        fprintf(out, "%s: %s\n", c->model->states[i].name, c->initial[i].text);
-    fprintf(out, "abs: %s\n", c->smooth ? c->eps.text : "exact");
-    fclose(out);
-    return text;
 }
 
 /* What a sweep found. */
@@ -171,14 +152,13 @@ static int sweep(cns_context *cx, const cns_classify_spec *spec, const char *obs
     if (cns_sweep_parse(&found.sweep, cx->c->model, cx->o->sweep, &err))
         return cns_complain(err.code, "--sweep: %s", err.text);
     const int n = cns_sweep_count(&found.sweep);
-    char *identity = identity_of(cx->c, spec);
     found.rows = cns_xalloc((size_t)n, sizeof *found.rows);
-    cns_code code = cns_sweep_run(&cx->study, &found.sweep, spec, cx->o->output, identity, found.rows, &err);
+    cns_code code =
+        cns_sweep_run(cx->system, &found.sweep, spec, cx->o->output, &cx->monitor, found.rows, &err);
     int status = cns_report(cx, code, &err, &view, &found);
     for (int i = 0; i < n; i++)
         free(found.rows[i]);
     free(found.rows);
-    free(identity);
     cns_sweep_clear(&found.sweep);
     return status;
 }
@@ -226,7 +206,7 @@ static int run(cns_context *cx)
         return status;
     const char *observable = o->observable;
     for (int i = 0; i < m->n_states && o->observable == NULL; i++)
-        if (cns_program_is_dynamic(cx->program, i))
+        if (cns_program_is_dynamic(cns_system_program(cx->system), i))
             observable = m->states[i].name;
     return o->sweep != NULL ? sweep(cx, &spec, observable) : classify(cx, &spec, observable);
 }

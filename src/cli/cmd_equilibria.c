@@ -71,7 +71,7 @@ static int run(cns_context *cx)
     cns_equilibria *e;
     cns_error err = {0};
     const long decimals = cx->o->digits > 0 ? cx->o->digits : STANDARD_DECIMALS;
-    cns_code code = cns_equilibria_find(&cx->study, decimals, &e, &err);
+    cns_code code = cns_equilibria_find(cx->system, decimals, &cx->monitor, &e, &err);
     int status = cns_report(cx, code, &err, &view, e);
     cns_equilibria_free(e);
     return status;

@@ -186,7 +186,7 @@ static int run(cns_context *cx)
         fprintf(stderr, "%s:1:1: no 'laws': `cns laws` needs that section\n", c->name);
         return CNS_USAGE;
     }
-    cns_code code = cns_laws(&cx->study, &c->laws, cx->o->output, &r, &err);
+    cns_code code = cns_laws(&cx->problem, &c->laws, cx->o->output, &r, &err);
     int status = cns_report(cx, code, &err, &view, code ? NULL : &r);
     for (int k = 0; k < CNS_LAW_KINDS && !status; k++)
         if (r.law[k].n > 0 && !r.law[k].fitted)

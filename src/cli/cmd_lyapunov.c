@@ -81,17 +81,7 @@ static int run(cns_context *cx)
 {
     cns_error err = {0};
     cns_lyapunov_result r;
-    const cns_lyapunov_spec *spec = &cx->c->lyapunov;
-    const cns_lyapunov_problem problem = {.program = cx->program,
-                                          .scales = cx->scales,
-                                          .initial = cx->c->initial,
-                                          .time = cns_number_get_d(&spec->time),
-                                          .arithmetic = spec->arithmetic,
-                                          .digits = spec->digits,
-                                          .stop = cx->study.stop,
-                                          .progress = cx->study.progress,
-                                          .context = cx->study.context};
-    cns_code code = cns_lyapunov(&problem, &r, &err);
+    cns_code code = cns_lyapunov(cx->system, &cx->c->lyapunov, &cx->monitor, &r, &err);
     int status = cns_report(cx, code, &err, &view, code ? NULL : &r);
     if (!status && cx->o->verbose)
         fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", r.steps, r.landings,

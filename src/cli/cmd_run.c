@@ -3,6 +3,7 @@
 
 #include "cns/solve.h"
 #include "commands.h"
+#include "core/clock.h"
 #include "event_table.h"
 #include "io/write_table.h"
 #include "report.h"
@@ -34,6 +35,7 @@ static void announce(run_context *r, const cns_run_info *run)
 static cns_code on_begin(void *context, const cns_run_info *run, cns_error *err)
 {
     run_context *r = context;
+    r->cx->since = cns_seconds(); /* progress is that of this attempt */
     announce(r, run);
     return r->table ? cns_table_begin(r->table, run, err) : CNS_OK;
 }
@@ -42,14 +44,6 @@ static cns_code on_row(void *context, const cns_row *row, cns_error *err)
 {
     run_context *r = context;
     return r->table ? cns_table_row(r->table, row, err) : CNS_OK;
-}
-
-static void on_progress(void *context, const cns_progress *p)
-{
-    run_context *r = context;
-    char what[128];
-    snprintf(what, sizeof what, "t = %g of %g, %ld digits", p->t, p->end, p->run->digits);
-    cns_meter_show(&r->cx->meter, p->fraction, p->seconds, what);
 }
 
 static void print_yaml(cns_summary *s, const cns_context *cx, const void *found)
@@ -97,7 +91,7 @@ static int run(cns_context *cx)
             return cns_complain(err.code, "%s", err.text);
         }
     }
-    cns_sink sink = {.context = &r, .begin = on_begin, .row = on_row, .progress = on_progress};
+    cns_sink sink = {.context = &r, .begin = on_begin, .row = on_row};
     cx->problem.sink = &sink;
     cns_code code = c->has_goal ? cns_solve_goal(&cx->problem, &c->goal, &result, &err)
                                 : cns_solve_numerics(&cx->problem, &c->numerics, o->prove, &result, &err);

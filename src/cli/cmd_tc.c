@@ -5,12 +5,6 @@
 #include "integrate/trajectory.h"
 #include "report.h"
 
-static void on_progress(void *context, double fraction)
-{
-    const cns_context *cx = context;
-    cns_study_progress(&cx->study, fraction, "the run under test and its reference");
-}
-
 static const char *observable_name(const cns_model *m, int i)
 {
     if (i == CNS_TC_NORM)
@@ -128,17 +122,13 @@ static int run(cns_context *cx)
     }
     if (cx->o->delta != NULL)
         cns_number_parse(&c->laws.delta, cx->o->delta, &err);
-    cns_tc_request request = {.numerics = &c->numerics,
-                              .program = cx->program,
-                              .truth = cx->program,
+    const cns_tc_spec spec = {.numerics = &c->numerics,
                               .delta = &c->laws.delta,
                               .until = one_state(c) ? CNS_TC_STATE(c->laws.observable) : CNS_TC_EVERY_ONE,
-                              .reference_digits = cx->o->reference_digits,
-                              .progress = on_progress,
-                              .context = cx};
-    for (int i = 0; i < c->n_columns && !one_state(c); i++)
-        request.outputs = request.outputs || c->columns[i].kind == CNS_COLUMN_OUTPUT;
-    cns_code code = cns_tc_measure(&cx->study, &request, &r, &err);
+                              .reference_digits = cx->o->reference_digits};
+    if (one_state(c))
+        cx->problem.n_columns = 0; /* no derived quantities */
+    cns_code code = cns_tc_measure(&cx->problem, &spec, &r, &err);
     int status = cns_report(cx, code, &err, &view, !code || code == CNS_UNREACHED ? &r : NULL);
     if (cx->o->verbose && !status)
         fprintf(stderr, "cns: %ld steps, reference %ld steps, up to t = %.12g, %.2f s\n", r.steps,

@@ -6,8 +6,6 @@
 
 #include "arith/arith.h"
 #include "core/clock.h"
-#include "core/memory.h"
-#include "integrate/trajectory.h"
 #include "report.h"
 
 static volatile sig_atomic_t stop_signal; /* the one thing a signal handler can reach */
@@ -34,9 +32,9 @@ static void on_progress(void *context, double fraction, const char *what)
 
 void cns_context_watch(cns_context *cx)
 {
-    cx->study.stop = cx->problem.stop = &stop_signal;
-    cx->study.progress = on_progress;
-    cx->study.context = cx;
+    cx->monitor.stop = &stop_signal;
+    cx->monitor.progress = on_progress;
+    cx->monitor.context = cx;
     catch_signals();
     cns_meter_init(&cx->meter, cx->o->quiet);
 }
@@ -60,31 +58,18 @@ static int open_system(cns_context *cx)
     const cns_options *o = cx->o;
     cns_error err = {0};
     const char *kernel; /* a wrong CNS_KERNEL is a usage error before anything is computed */
-    const int n = c->model->n_states;
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    cx->scales = cns_xalloc((size_t)n, sizeof *cx->scales);
-    for (int i = 0; i < n; i++)
-        cx->scales[i] = c->model->states[i].scale;
-    cx->study = (cns_study){.model = c->model,
-                            .parameters = c->parameters,
-                            .initial = c->initial,
-                            .smooth = c->smooth ? &c->eps : NULL,
-                            .end = &c->end,
-                            .every = &c->every,
-                            .scales = cx->scales,
-                            .threads = o->threads > 0   ? (int)o->threads
-                                       : processors > 0 ? (int)processors
-                                                        : 1};
-    if (cns_fast_kernel_name(&kernel, &err) || cns_study_program(&cx->study, &cx->program, &err))
+    if (!cns_fast_kernel_name(&kernel, &err))
+        cx->system = cns_system_new(c->model, c->parameters, c->initial, c->smooth ? &c->eps : NULL, &err);
+    if (cx->system == NULL)
         return cns_complain(err.code, "%s", err.text);
-    cx->problem = (cns_problem){.program = cx->program,
-                                .scales = cx->scales,
-                                .initial = c->initial,
+    cx->monitor.threads = o->threads > 0 ? (int)o->threads : processors > 0 ? (int)processors : 1;
+    cx->problem = (cns_problem){.system = cx->system,
                                 .end = &c->end,
                                 .every = &c->every,
                                 .columns = c->columns,
                                 .n_columns = c->n_columns,
-                                .threads = cx->study.threads};
+                                .monitor = &cx->monitor};
     cns_context_watch(cx);
     return 0;
 }
@@ -99,8 +84,7 @@ int cns_context_open(cns_context *cx, const cns_options *o, cns_opens opens)
 void cns_context_close(cns_context *cx)
 {
     cns_meter_clear(&cx->meter);
-    cns_program_free(cx->program);
-    free(cx->scales);
+    cns_system_free(cx->system);
     cns_case_free(cx->c);
 }
 

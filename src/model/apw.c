@@ -53,8 +53,9 @@ static const cns_model_motion motion = {.angle = THETA,
  *   (I+1) Vy' = (Gamma - I omega) Vx - cos theta - f Vy
  *   (I+1/2)/4 omega' = -Vx Vy - (mu1 + mu2 |omega|) omega
  * which costs one root and two quotients and never divides by s^2. */
-static void build(cns_program *p)
+static void build(cns_program *p, const cns_model *model)
 {
+    (void)model;
     cns_node theta = cns_state(p, THETA), vx = cns_state(p, VX), vy = cns_state(p, VY),
              omega = cns_state(p, OMEGA);
     cns_node inertia = cns_parameter(p, INERTIA), mu1 = cns_parameter(p, MU1), mu2 = cns_parameter(p, MU2);

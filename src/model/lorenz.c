@@ -14,8 +14,9 @@ static const cns_model_parameter parameters[] = {
     {"b", "aspect ratio of the rolls", "8/3", NULL},
 };
 
-static void build(cns_program *p)
+static void build(cns_program *p, const cns_model *model)
 {
+    (void)model;
     cns_node x = cns_state(p, 0), y = cns_state(p, 1), z = cns_state(p, 2);
     cns_node sigma = cns_parameter(p, 0), r = cns_parameter(p, 1), b = cns_parameter(p, 2);
     cns_derivative(p, 0, cns_mul(p, sigma, cns_sub(p, y, x)));

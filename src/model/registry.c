@@ -32,7 +32,7 @@ cns_code cns_model_program(const cns_model *m, const cns_number *parameters,
     *program = NULL;
     if (!p)
         return cns_fail(err, CNS_NUMERIC, "out of memory");
-    m->build(p);
+    m->build(p, m);
     cns_code code = cns_program_finish(p, err);
     if (code)
         cns_program_free(p);

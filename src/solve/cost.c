@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "core/clock.h"
+#include "core/monitor.h"
 #include "integrate/numerics.h"
 #include "integrate/trajectory.h"
 #include "num/logs.h"
@@ -122,8 +123,10 @@ static double steps_in(const cns_tally *y, int i, const cns_flow_spec *spec, lon
 static bool measure(const cns_problem *p, const cns_flow_spec *spec, bool growth, double steps, level *l,
                     double *memory)
 {
-    cns_trajectory_spec of = {
-        .flow = *spec, .initial = p->initial, .outputs = cns_wants_outputs(p), .no_growth = !growth};
+    cns_trajectory_spec of = {.flow = *spec,
+                              .initial = cns_system_initial(p->system),
+                              .outputs = cns_wants_outputs(p),
+                              .no_growth = !growth};
     cns_error ignored;
     cns_trajectory *t = cns_trajectory_new(&of, &ignored);
     cns_sample s = {0};
@@ -134,7 +137,7 @@ static bool measure(const cns_problem *p, const cns_flow_spec *spec, bool growth
     mpq_inits(time, little, (mpq_ptr)0);
     mpq_set_ui(little, 1, 1);
     mpq_div_2exp(little, little, 60);
-    if (t && cns_sample_init(&s, p->program, cns_flow_prec(cns_trajectory_flow(t)))) {
+    if (t && cns_sample_init(&s, cns_system_program(p->system), cns_flow_prec(cns_trajectory_flow(t)))) {
         cns_flow *f = cns_trajectory_flow(t);
         bool enough = false;
         for (; !enough && turn < MOST_STEPS; turn++) {
@@ -198,10 +201,11 @@ static long digits_in(const cns_flow_spec *spec, int i, long most)
 
 static cns_flow_spec spec_for(const cns_problem *p, const cns_flow_spec *like, long digits)
 {
-    cns_flow_spec spec = cns_flow_spec_taylor(p->program, p->scales, CNS_ARITH_FAST, digits);
+    cns_flow_spec spec = cns_flow_spec_taylor(cns_system_program(p->system), cns_system_scales(p->system),
+                                              CNS_ARITH_FAST, digits);
     spec.safety = like->safety;
     spec.verify = true;
-    spec.stop = p->stop;
+    spec.stop = cns_monitor_stop(p->monitor);
     return spec;
 }
 
@@ -254,7 +258,7 @@ void cns_cost_predict(const cns_problem *p, const cns_flow_spec *fine, const cns
     double printed =
         run_seconds(p, fine, plan->digits, false, tally, rows, in_printed, &plan->steps, &memory);
     double proof = run_seconds(p, coarse, plan->proof_digits, true, tally, rows, in_proof, &ignored, &memory);
-    plan->seconds = p->threads > 1 ? fmax(printed, proof) : printed + proof;
+    plan->seconds = cns_monitor_threads(p->monitor) > 1 ? fmax(printed, proof) : printed + proof;
     for (int i = 0; i < CNS_PLAN_PARTS; i++) {
         sum += in_printed[i] + in_proof[i];
         plan->done[i] = printed + proof > 0 ? fmin(1, sum / (printed + proof)) : (i + 1.0) / CNS_PLAN_PARTS;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/memory.h"
+#include "core/monitor.h"
 #include "integrate/growth.h"
 #include "integrate/method.h"
 #include "num/decimal_text.h"
@@ -56,7 +57,7 @@ static cns_code keep(list *l, const cns_meeting *m, double noise_log2, cns_error
 static cns_code collect(const cns_problem *p, const cns_events_spec *spec, cns_flow_spec flow, bool verify,
                         bool to_spare, list *l, cns_error *err)
 {
-    const int n = cns_program_states(p->program);
+    const int n = cns_program_states(cns_system_program(p->system));
     cns_code code = CNS_OK;
     cns_growth *g = NULL;
     cns_meetings *s = NULL;
@@ -66,13 +67,14 @@ static cns_code collect(const cns_problem *p, const cns_events_spec *spec, cns_f
     flow.verify = verify;
     cns_flow *f = cns_flow_new(&flow, err);
     if (f != NULL)
-        g = cns_growth_new(p->program, p->scales, err);
+        g = cns_growth_new(cns_system_program(p->system), cns_system_scales(p->system), err);
     if (g != NULL)
-        s = cns_meetings_new(spec->sections, spec->n_sections, n, p->scales, cns_flow_prec(f), err);
+        s = cns_meetings_new(spec->sections, spec->n_sections, n, cns_system_scales(p->system),
+                             cns_flow_prec(f), err);
     if (s == NULL)
         code = err->code;
     if (!code) {
-        cns_flow_start(f, p->initial);
+        cns_flow_start(f, cns_system_initial(p->system));
         cns_growth_start(g);
         cns_meetings_start(s);
     }
@@ -123,7 +125,8 @@ static void bound(const cns_problem *p, const found *a, const found *b, int n, m
     mpfr_inits2(64, x, noise, (mpfr_ptr)0);
     double largest = 1, rate = fabs(a->m.rate);
     for (int i = 0; i < n; i++)
-        largest = fmax(largest, fmax(p->scales[i], fabs(mpfr_get_d(a->m.state[i], MPFR_RNDN))));
+        largest =
+            fmax(largest, fmax(cns_system_scales(p->system)[i], fabs(mpfr_get_d(a->m.state[i], MPFR_RNDN))));
     mpfr_sub(time_error, a->m.time, b->m.time, MPFR_RNDA);
     mpfr_abs(time_error, time_error, MPFR_RNDN);
     mpfr_set_zero(state_error, 1);
@@ -222,22 +225,26 @@ cns_code cns_solve_events(const cns_problem *p, const cns_events_spec *spec, cns
     const bool proof = n == NULL || spec->prove;
     const long given = n != NULL && n->digits > 0 ? n->digits : 16;
     list fine = {0}, coarse = {0};
-    *events = (cns_events){.n_states = cns_program_states(p->program)};
+    *events = (cns_events){.n_states = cns_program_states(cns_system_program(p->system))};
     if (!proof) {
         const bool is_double = n->arithmetic == CNS_ARITH_DOUBLE;
-        cns_code code =
-            collect(p, spec, cns_flow_spec_given(p->program, p->scales, n, 0), false, false, &fine, err);
+        cns_code code = collect(
+            p, spec, cns_flow_spec_given(cns_system_program(p->system), cns_system_scales(p->system), n, 0),
+            false, false, &fine, err);
         for (int i = 0; i < fine.n && !code; i++)
             add_event(events, &fine.at[i], CNS_PLACES_DECIMALS, -1, is_double ? DOUBLE_PRINTED : given);
         clear_list(&fine);
         return code;
     }
-    cns_flow_spec finer = cns_flow_spec_taylor(p->program, p->scales, CNS_ARITH_FAST,
+    cns_flow_spec finer = cns_flow_spec_taylor(cns_system_program(p->system), cns_system_scales(p->system),
+                                               CNS_ARITH_FAST,
                                                n != NULL ? given + CNS_ANOTHER_LIMB : spec->digits),
-                  coarser = n != NULL ? cns_flow_spec_given(p->program, p->scales, n, 0)
-                                      : cns_flow_spec_taylor(p->program, p->scales, CNS_ARITH_FAST,
+                  coarser = n != NULL ? cns_flow_spec_given(cns_system_program(p->system),
+                                                            cns_system_scales(p->system), n, 0)
+                                      : cns_flow_spec_taylor(cns_system_program(p->system),
+                                                             cns_system_scales(p->system), CNS_ARITH_FAST,
                                                              spec->digits - CNS_ANOTHER_LIMB);
-    finer.stop = coarser.stop = p->stop;
+    finer.stop = coarser.stop = cns_monitor_stop(p->monitor);
     cns_code code = collect(p, spec, finer, true, false, &fine, err);
     if (!code)
         code = collect(p, spec, coarser, coarser.method == CNS_METHOD_TAYLOR, true, &coarse, err);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/clock.h"
+#include "core/monitor.h"
 #include "cost.h"
 #include "integrate/numerics.h"
 #include "integrate/rows.h"
@@ -83,31 +84,32 @@ static void fill_schedule(cns_schedule *schedule, const needs *need, double end,
 cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_schedule *schedule,
                   cns_error *err)
 {
-    cns_trajectory_spec spec = {
-        .flow = cns_flow_spec_taylor(p->program, p->scales, CNS_ARITH_DOUBLE, CNS_DOUBLE_DIGITS),
-        .initial = p->initial,
-        .outputs = cns_wants_outputs(p) && goal->places == CNS_PLACES_SIGNIFICANT,
-        .deadline = goal->max_time > 0 ? cns_seconds() + goal->max_time : 0,
-        .origins = true,
-        .end = cns_number_get_d(p->end),
-        .stepped = cns_tally_step,
-        .unit_noise = -1e-9}; /* one unit per step */
+    cns_trajectory_spec spec = {.flow = cns_flow_spec_taylor(cns_system_program(p->system),
+                                                             cns_system_scales(p->system), CNS_ARITH_DOUBLE,
+                                                             CNS_DOUBLE_DIGITS),
+                                .initial = cns_system_initial(p->system),
+                                .outputs = cns_wants_outputs(p) && goal->places == CNS_PLACES_SIGNIFICANT,
+                                .deadline = goal->max_time > 0 ? cns_seconds() + goal->max_time : 0,
+                                .origins = true,
+                                .end = cns_number_get_d(p->end),
+                                .stepped = cns_tally_step,
+                                .unit_noise = -1e-9}; /* one unit per step */
     const double since = cns_thread_seconds();
     cns_tally tally = {.spec = &spec.flow, .end = spec.end};
     spec.context = &tally;
     spec.flow.portable = true;
-    spec.flow.stop = p->stop;
+    spec.flow.stop = cns_monitor_stop(p->monitor);
     spec.flow.order = DOUBLE_ORDER;
     spec.flow.tolerance_log2 = DOUBLE_TOLERANCE_LOG2;
     *plan = (cns_run_info){.attempt = 1, .planned = true};
-    if (p->stop && *p->stop)
+    if (cns_monitor_stopped(p->monitor))
         return cns_fail(err, CNS_STOPPED, "stopped");
 
     cns_trajectory *t = cns_trajectory_new(&spec, err);
     cns_sample s = {0};
     mpq_t time;
     mpq_init(time);
-    if (!t || !cns_sample_init(&s, p->program, CNS_DOUBLE_BITS)) {
+    if (!t || !cns_sample_init(&s, cns_system_program(p->system), CNS_DOUBLE_BITS)) {
         cns_trajectory_free(t);
         cns_sample_clear(&s);
         mpq_clear(time);
@@ -178,7 +180,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         cns_cost_predict(p, &runs.fine, &runs.coarse, &tally, plan);
         cns_proof_runs_clear(&runs);
         plan->seconds += cns_thread_seconds() - since;
-        if (p->stop && *p->stop) /* while it measured, which then tells nothing */
+        if (cns_monitor_stopped(p->monitor)) /* while it measured, which then tells nothing */
             code = cns_fail(err, CNS_STOPPED, "stopped");
     }
     cns_trajectory_free(t);

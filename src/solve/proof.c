@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "core/monitor.h"
 #include "integrate/numerics.h"
 #include "num/decimal_text.h"
 #include "num/logs.h"
@@ -15,9 +16,10 @@ enum {
 
 static cns_flow_spec taylor(const cns_problem *p, long digits)
 {
-    cns_flow_spec spec = cns_flow_spec_taylor(p->program, p->scales, CNS_ARITH_FAST, digits);
+    cns_flow_spec spec = cns_flow_spec_taylor(cns_system_program(p->system), cns_system_scales(p->system),
+                                              CNS_ARITH_FAST, digits);
     spec.verify = true;
-    spec.stop = p->stop;
+    spec.stop = cns_monitor_stop(p->monitor);
     return spec;
 }
 
@@ -37,9 +39,9 @@ void cns_proof_of_numerics(cns_proof_runs *r, const cns_problem *p, const cns_nu
 {
     *r = (cns_proof_runs){.proof = proof, .fine_digits = n->digits};
     cns_number_init(&r->half_step);
-    r->fine = cns_flow_spec_given(p->program, p->scales, n, 0);
+    r->fine = cns_flow_spec_given(cns_system_program(p->system), cns_system_scales(p->system), n, 0);
     r->fine.verify = proof;
-    r->fine.stop = p->stop;
+    r->fine.stop = cns_monitor_stop(p->monitor);
     if (!proof)
         return;
     r->coarse = r->fine;
@@ -122,11 +124,11 @@ cns_code cns_proof_explained(const cns_problem *p, const cns_sample *fine, const
     mpfr_t x;
     mpfr_init2(x, 64);
     for (int i = 0; i < fine->n_states; i++) {
-        if (!cns_program_is_dynamic(p->program, i))
+        if (!cns_program_is_dynamic(cns_system_program(p->system), i))
             continue;
         mpfr_set_zero(x, 1);
         differ(x, fine->state[i], coarse->state[i]);
-        difference = fmax(difference, cns_log2_mpfr(x) - cns_log2_2exp(p->scales[i], 0));
+        difference = fmax(difference, cns_log2_mpfr(x) - cns_log2_2exp(cns_system_scales(p->system)[i], 0));
     }
     mpfr_clear(x);
     if (noise == -HUGE_VAL || difference <= noise + NOISE_SLACK)

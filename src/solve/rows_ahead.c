@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "core/monitor.h"
 #include "integrate/rows.h"
 
 enum { RING = 16 };
@@ -80,7 +81,7 @@ cns_ahead *cns_ahead_new(const cns_problem *p, const cns_trajectory_spec *spec, 
     a->t = cns_trajectory_new(&own, err);
     mpfr_prec_t prec = a->t ? cns_flow_prec(cns_trajectory_flow(a->t)) : 0;
     for (; a->t && a->ready < RING; a->ready++)
-        if (!cns_sample_init(&a->ring[a->ready], p->program, prec)) {
+        if (!cns_sample_init(&a->ring[a->ready], cns_system_program(p->system), prec)) {
             cns_fail(err, CNS_NUMERIC, "out of memory");
             break;
         }
@@ -123,7 +124,7 @@ static void await(cns_ahead *a)
             until.tv_sec++;
         }
         pthread_cond_timedwait(&a->changed, &a->lock, &until);
-        if (a->p->stop && *a->p->stop)
+        if (cns_monitor_stopped(a->p->monitor))
             a->halt = 1;
     }
 }

@@ -1,12 +1,14 @@
 #include "cns/solve.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "arith/arith.h"
 #include "core/clock.h"
 #include "core/memory.h"
+#include "core/monitor.h"
 #include "integrate/numerics.h"
 #include "integrate/rows.h"
 #include "num/decimal_text.h"
@@ -107,7 +109,7 @@ static void write_texts(walk *w, unsigned long row, cns_places places, long coun
         } else if (count < 0) {
             set_text(w, i, cns_text_digits(value(w, i), w->digits));
         } else if (c->kind == CNS_COLUMN_STATE && mpq_sgn(w->time) == 0) {
-            set_text(w, i, cns_text_number(&w->p->initial[c->index], places, count));
+            set_text(w, i, cns_text_number(&cns_system_initial(w->p->system)[c->index], places, count));
         } else {
             set_text(w, i, cns_text_mpfr(value(w, i), places, count));
         }
@@ -146,7 +148,7 @@ static cns_code emit(walk *w, unsigned long row, cns_places places, long count, 
         result->decimals = out.decimals;
     result->rows++;
     result->end = mpq_get_d(w->time);
-    return sink->row ? sink->row(sink->context, &out, err) : CNS_OK;
+    return sink && sink->row ? sink->row(sink->context, &out, err) : CNS_OK;
 }
 
 /* Precision that falls with time makes the first rows the dearest. */
@@ -160,16 +162,12 @@ static double work_done(const cns_run_info *run, double time)
     return before + (run->done[i] - before) * (parts - i);
 }
 
-static void progress(const walk *w, const cns_result *result, double since)
+static void progress(const walk *w, const cns_result *result)
 {
-    const cns_sink *sink = w->p->sink;
-    cns_progress out = {.run = &result->run,
-                        .t = mpq_get_d(w->time),
-                        .end = cns_number_get_d(w->p->end),
-                        .seconds = cns_seconds() - since};
-    out.fraction = work_done(&result->run, out.t / out.end);
-    if (sink->progress)
-        sink->progress(sink->context, &out);
+    const double t = mpq_get_d(w->time), end = cns_number_get_d(w->p->end);
+    char what[128];
+    snprintf(what, sizeof what, "t = %g of %g, %ld digits", t, end, result->run.digits);
+    cns_monitor_tell(w->p->monitor, work_done(&result->run, t / end), what);
 }
 
 static cns_code describe(cns_run_info *info, const cns_proof_runs *runs, cns_error *err)
@@ -190,7 +188,7 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
                           double deadline, cns_result *result, cns_error *err)
 {
     cns_trajectory_spec spec = {.flow = runs->fine,
-                                .initial = p->initial,
+                                .initial = cns_system_initial(p->system),
                                 .outputs = cns_wants_outputs(p),
                                 .no_growth =
                                     runs->proof, /* the coarser run's will do: it is the same trajectory */
@@ -208,16 +206,16 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
     w->fine = cns_trajectory_new(&spec, err);
     if (!w->fine)
         return err->code;
-    if (!cns_sample_init(&w->s, p->program, runs->fine.prec))
+    if (!cns_sample_init(&w->s, cns_system_program(p->system), runs->fine.prec))
         return cns_fail(err, CNS_NUMERIC, "out of memory");
     if (runs->proof) {
         spec.flow = runs->coarse;
         spec.no_growth = false;
-        w->coarse = cns_ahead_new(p, &spec, first_row, p->threads > 1, err);
+        w->coarse = cns_ahead_new(p, &spec, first_row, cns_monitor_threads(p->monitor) > 1, err);
         if (!w->coarse)
             return err->code;
     }
-    return p->sink->begin ? p->sink->begin(p->sink->context, &result->run, err) : CNS_OK;
+    return p->sink && p->sink->begin ? p->sink->begin(p->sink->context, &result->run, err) : CNS_OK;
 }
 
 static void walk_close(walk *w, cns_result *result)
@@ -247,7 +245,6 @@ static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_sc
     const unsigned long short_row = *row;
     cns_proof_runs runs;
     walk w;
-    double since = cns_seconds();
     cns_proof_of_goal(&runs, p, result->run.digits, schedule);
     *shortage = 0;
     cns_code code = walk_open(&w, p, &runs, *row, deadline, result, err);
@@ -271,7 +268,7 @@ static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_sc
         result->reached = result->reached && places >= goal->count;
         code = emit(&w, *row, goal->places, places, result, err);
         ++*row;
-        progress(&w, result, since);
+        progress(&w, result);
     }
     if (code == CNS_STOPPED && (cns_trajectory_late(w.fine) || cns_ahead_late(w.coarse)))
         code = cns_fail(err, CNS_UNREACHED, "max_time is used up at t = %.12g", mpq_get_d(w.time));
@@ -345,7 +342,7 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
             }
         }
         code = emit(&w, row, CNS_PLACES_DECIMALS, places, result, err);
-        progress(&w, result, since);
+        progress(&w, result);
     }
     walk_close(&w, result);
     cns_proof_runs_clear(&runs);

@@ -10,7 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bisect_internal.h"
+#include "cns/flow.h"
 #include "core/memory.h"
+#include "core/monitor.h"
 #include "core/sha256.h"
 #include "ensemble.h"
 #include "num/decimal_text.h"
@@ -40,11 +43,11 @@ typedef struct point {
 } point;
 
 typedef struct search {
-    const cns_study *s;
-    cns_study own; /* the same, with progress of the whole search */
+    const cns_bisection *b;
+    const cns_system *s; /* the bisection's, without a smoothing that does not show */
     const cns_bisect_spec *spec;
-    const cns_bisect_store *store;
     cns_bisect_result *r;
+    cns_monitor own; /* progress of the whole search, not of a batch of probes */
     mpfr_prec_t prec;
     long spare;   /* decimals of the last bracket beyond those asked for */
     double known; /* decimals so far, for progress */
@@ -84,9 +87,26 @@ static double cost_of(void *context, int i)
     return (double)b->jobs[i].digits;
 }
 
-static void tell(void *context, double fraction)
+static void tell(void *context, double fraction, const char *what)
 {
+    (void)what;
     cns_ensemble_tell(context, fraction);
+}
+
+static cns_code pass(const search *f, const job *j, cns_ensemble_job *handle, cns_passage *passage,
+                     cns_error *err)
+{
+    const cns_passage_spec spec = {.digits = j->digits, .variant = j->variant};
+    const cns_monitor monitor = {
+        .stop = cns_monitor_stop(f->b->monitor), .progress = tell, .context = handle};
+    cns_number value;
+    cns_number_init(&value);
+    cns_code code = cns_number_parse(&value, j->text, err);
+    cns_system *s = code ? NULL : cns_system_with(f->s, f->spec->parameter, &value, err);
+    code = s != NULL ? cns_manifold_passage(s, &spec, &monitor, passage, err) : err->code;
+    cns_system_free(s);
+    cns_number_clear(&value);
+    return code;
 }
 
 static cns_code run(void *context, int i, cns_ensemble_job *handle, char **result, cns_error *err)
@@ -94,21 +114,10 @@ static cns_code run(void *context, int i, cns_ensemble_job *handle, char **resul
     const batch *b = context;
     const search *f = b->f;
     const job *j = &b->jobs[i];
-    const int n = f->s->model->n_parameters;
     cns_passage passage;
     cns_error inner;
-    cns_number *parameters = cns_xalloc((size_t)n, sizeof *parameters);
-    for (int k = 0; k < n; k++) {
-        cns_number_init(&parameters[k]);
-        cns_number_set(&parameters[k], &f->s->parameters[k]);
-    }
-    cns_code code = cns_number_parse(&parameters[f->spec->parameter], j->text, err);
-    cns_study study = *f->s;
-    study.parameters = parameters;
     cns_passage_init(&passage, cns_digits_to_bits(j->digits + MISS_DIGITS));
-    const cns_passage_spec spec = {.digits = j->digits, .variant = j->variant};
-    if (!code)
-        code = cns_manifold_passage(&study, &spec, &passage, tell, handle, &inner);
+    cns_code code = pass(f, j, handle, &passage, &inner);
     if (!code) {
         const size_t size = strlen(j->text) + (size_t)j->digits + 256;
         *result = cns_xalloc(size, 1);
@@ -122,13 +131,10 @@ static cns_code run(void *context, int i, cns_ensemble_job *handle, char **resul
         snprintf(*result, 128, "side: 0\nmiss: 0\nloss: %.3g\n", passage.loss);
         code = CNS_OK;
     } else {
-        cns_fail(err, code, "%s = %.40s: %s", f->s->model->parameters[f->spec->parameter].name, j->text,
-                 inner.text);
+        cns_fail(err, code, "%s = %.40s: %s", cns_system_model(f->s)->parameters[f->spec->parameter].name,
+                 j->text, inner.text);
     }
     cns_passage_clear(&passage);
-    for (int k = 0; k < n; k++)
-        cns_number_clear(&parameters[k]);
-    free(parameters);
     return code;
 }
 
@@ -148,10 +154,9 @@ static cns_code probe(search *f, batch *b, point **points, cns_error *err)
 {
     char *results[4] = {NULL};
     const cns_ensemble e = {.n = b->n,
-                            .study = &f->own,
-                            .directory = f->store != NULL ? f->store->directory : NULL,
-                            .identity =
-                                f->store != NULL && f->store->identity != NULL ? f->store->identity : "",
+                            .monitor = &f->own,
+                            .directory = f->b->directory,
+                            .identity = f->b->identity,
                             .context = b,
                             .name = name_of,
                             .cost = cost_of,
@@ -175,7 +180,7 @@ static void on_progress(void *context, double fraction, const char *what)
     (void)what;
     (void)fraction;
     const double whole = (double)(f->spec->decimals + f->spare);
-    cns_study_progress(f->s, fmin(fmax(f->known, 0) / whole, 1), f->word);
+    cns_monitor_tell(f->b->monitor, fmin(fmax(f->known, 0) / whole, 1), f->word);
 }
 
 /* Points. */
@@ -323,7 +328,7 @@ static bool agree(const search *f, const point *a, const point *b)
 
 static void set_mode(const search *f, char mode[CNS_MODE_NAME], int side)
 {
-    const cns_model_connection *c = f->s->model->connection;
+    const cns_model_connection *c = cns_system_model(f->s)->connection;
     snprintf(mode, CNS_MODE_NAME, "%s", side < 0 ? c->back : c->beyond);
 }
 
@@ -426,9 +431,10 @@ static cns_code ends(search *f, cns_error *err)
                         LEAST_DIGITS);
     report(f, &f->lower, &f->upper);
     if (f->lower.side == f->upper.side)
-        return cns_fail(
-            err, CNS_UNREACHED, "%s is %s at both ends of the bracket, %s and %s: nothing to bisect",
-            f->s->model->parameters[f->spec->parameter].name, f->r->lower_mode, f->lower.text, f->upper.text);
+        return cns_fail(err, CNS_UNREACHED,
+                        "%s is %s at both ends of the bracket, %s and %s: nothing to bisect",
+                        cns_system_model(f->s)->parameters[f->spec->parameter].name, f->r->lower_mode,
+                        f->lower.text, f->upper.text);
     f->gain_log10 = agreement(f, f->lower.value, f->upper.value);
     learn(f, &f->lower);
     learn(f, &f->upper);
@@ -465,37 +471,37 @@ static cns_code iterate(search *f, cns_error *err)
 
 /* Smoothing moves a connection by some eps^2, by eps^1.5 at most: does that show in the decimals asked for?
  * If not, true absolute values give the same decimals in a fraction of the time. */
-static bool smoothing_shows(const cns_study *s, const cns_bisect_spec *spec)
+static bool smoothing_shows(const cns_number *smooth, const cns_bisect_spec *spec)
 {
     mpfr_t eps;
-    if (s->smooth == NULL)
-        return false;
     mpfr_init2(eps, 53);
-    cns_number_get_mpfr(eps, s->smooth);
+    cns_number_get_mpfr(eps, smooth);
     const bool shows = 1.5 * cns_log2_mpfr(eps) * CNS_LOG10_2 > -(double)(spec->decimals + SMOOTH_DECIMALS);
     mpfr_clear(eps);
     return shows;
 }
 
-cns_code cns_bisect_manifold(const cns_study *s, const cns_bisect_spec *spec, const cns_bisect_store *store,
-                             cns_bisect_result *r, cns_error *err)
+cns_code cns_bisect_by_manifold(const cns_bisection *b, cns_error *err)
 {
-    *r = (cns_bisect_result){.decimals = -1};
-    if (s->model->connection == NULL || s->model->equilibria == NULL)
+    const cns_model *m = cns_system_model(b->system);
+    const cns_number *smooth = cns_system_smooth(b->system);
+    cns_system *exact = NULL;
+    if (m->connection == NULL || m->equilibria == NULL)
         return cns_fail(err, CNS_USAGE, "the model %s names no saddle whose unstable manifold to follow",
-                        s->model->name);
-    cns_study exact = *s;
-    if (!smoothing_shows(s, spec))
-        exact.smooth = NULL;
-    search f = {.s = &exact,
-                .own = *s,
-                .spec = spec,
-                .store = store,
-                .r = r,
-                .prec = cns_digits_to_bits(spec->decimals + 2 * GUARD_DIGITS + MAX_PROOFS * MORE_SPARE),
+                        m->name);
+    if (smooth != NULL && !smoothing_shows(smooth, b->spec) &&
+        !(exact = cns_system_smoothed(b->system, NULL, err)))
+        return err->code;
+    search f = {.b = b,
+                .s = exact != NULL ? exact : b->system,
+                .spec = b->spec,
+                .r = b->r,
+                .own = {.threads = cns_monitor_threads(b->monitor),
+                        .stop = cns_monitor_stop(b->monitor),
+                        .progress = on_progress,
+                        .context = &f},
+                .prec = cns_digits_to_bits(b->spec->decimals + 2 * GUARD_DIGITS + MAX_PROOFS * MORE_SPARE),
                 .spare = FIRST_SPARE};
-    f.own.progress = on_progress;
-    f.own.context = &f;
     point_init(&f.lower, f.prec);
     point_init(&f.upper, f.prec);
     for (int i = 0; i < RECENT; i++)
@@ -505,5 +511,6 @@ cns_code cns_bisect_manifold(const cns_study *s, const cns_bisect_spec *spec, co
         point_clear(&f.recent[i]);
     point_clear(&f.lower);
     point_clear(&f.upper);
+    cns_system_free(exact);
     return code;
 }

@@ -5,15 +5,15 @@
  * probe goes on until passages repeat each other, so that it tells the late motion, and takes the digits that
  * its own noise asks for: near the critical value the passage magnifies it by the inverse of the distance to
  * that. */
-#include "cns/study/bisect.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "bisect_internal.h"
 #include "cns/study/classify.h"
 #include "core/memory.h"
+#include "core/monitor.h"
 #include "ensemble.h"
 #include "num/decimal_text.h"
 #include "num/logs.h"
@@ -27,11 +27,9 @@ enum {
 };
 
 typedef struct search {
-    const cns_study *study;
+    const cns_bisection *b;
     const cns_bisect_spec *spec;
-    const cns_bisect_store *store;
     cns_bisect_result *r;
-    cns_number *parameters; /* of the probe */
     cns_number lower, upper;
     int probes_expected;
 } search;
@@ -39,8 +37,8 @@ typedef struct search {
 /* One probe, as a job, so that it can be kept. */
 typedef struct probe {
     const search *f;
-    const char *value; /* of the parameter */
-    long digits;       /* at least */
+    const cns_number *value; /* of the parameter */
+    long digits;             /* at least */
 } probe;
 
 static cns_mode mode_of(const cns_return_map *S, const cns_late *late)
@@ -51,7 +49,7 @@ static cns_mode mode_of(const cns_return_map *S, const cns_late *late)
     case CNS_LATE_CHAOS:
         return CNS_MODE_CHAOTIC;
     case CNS_LATE_CYCLE:
-        if (S->study->model->motion == NULL)
+        if (cns_system_model(S->system)->motion == NULL)
             return CNS_MODE_PERIODIC;
         return late->cycle_mirrored || late->cycle_turns == 0 ? CNS_MODE_FLUTTER : CNS_MODE_TUMBLE;
     case CNS_LATE_OPEN:
@@ -64,7 +62,7 @@ static void name(void *context, int i, char *text, size_t size)
 {
     const probe *p = context;
     (void)i;
-    snprintf(text, size, "trajectory-%ld-%.100s", p->digits, p->value);
+    snprintf(text, size, "trajectory-%ld-%.100s", p->digits, p->value->text);
     for (char *at = text; *at != '\0'; at++)
         if (*at == '/')
             *at = '_';
@@ -82,16 +80,16 @@ static cns_code run(void *context, int i, cns_ensemble_job *job, char **result, 
 {
     const probe *p = context;
     const search *f = p->f;
-    cns_study study = *f->study;
     cns_return_map S;
     cns_mode mode = CNS_MODE_UNDECIDED;
     long digits = p->digits;
     bool looked = false;
     (void)i;
     (void)job;
-    study.parameters = f->parameters;
-    study.progress = NULL;
-    cns_code code = cns_system_open(&S, &study, -1, 0, err);
+    cns_system *s = cns_system_with(f->b->system, f->spec->parameter, p->value, err);
+    if (s == NULL)
+        return err->code;
+    cns_code code = cns_return_map_open(&S, s, -1, 0, cns_monitor_stop(f->b->monitor), err);
     while (!code && digits <= MAX_DIGITS) {
         cns_late late;
         code = cns_late_find(&S, digits, 0, &late, err);
@@ -104,7 +102,7 @@ static cns_code run(void *context, int i, cns_ensemble_job *job, char **result, 
             looked = true;
         }
         const bool decided = late.trusted || late.kind == CNS_LATE_CHAOS;
-        const double grown = (late.noise_log2 + (double)cns_study_bits(digits)) * CNS_LOG10_2;
+        const double grown = (late.noise_log2 + (double)cns_modes_bits(digits)) * CNS_LOG10_2;
         if (!code && decided)
             mode = mode_of(&S, &late);
         cns_late_clear(&late);
@@ -113,7 +111,8 @@ static cns_code run(void *context, int i, cns_ensemble_job *job, char **result, 
         const long needed = (long)fmin(grown, MAX_DIGITS) + 14;
         digits = needed > digits + CNS_ANOTHER_LIMB ? needed : digits + CNS_ANOTHER_LIMB;
     }
-    cns_system_close(&S);
+    cns_return_map_close(&S);
+    cns_system_free(s);
     if (code)
         return code;
     *result = cns_xalloc(64, 1);
@@ -125,15 +124,12 @@ static cns_code decide(search *f, const cns_number *value, long digits, char *mo
                        cns_error *err)
 {
     char *result = NULL;
-    cns_study quiet = *f->study; /* the search tells its progress itself */
-    probe p = {.f = f, .value = value->text, .digits = digits};
-    quiet.progress = NULL;
-    cns_number_set(&f->parameters[f->spec->parameter], value);
+    const cns_monitor quiet = {.stop = cns_monitor_stop(f->b->monitor)}; /* the search tells its progress */
+    probe p = {.f = f, .value = value, .digits = digits};
     const cns_ensemble e = {.n = 1,
-                            .study = &quiet,
-                            .directory = f->store != NULL ? f->store->directory : NULL,
-                            .identity =
-                                f->store != NULL && f->store->identity != NULL ? f->store->identity : "",
+                            .monitor = &quiet,
+                            .directory = f->b->directory,
+                            .identity = f->b->identity,
                             .context = &p,
                             .name = name,
                             .cost = cost,
@@ -244,7 +240,7 @@ static cns_code narrow(search *f, cns_error *err)
         char what[128];
         middle(f, &x, &places);
         snprintf(what, sizeof what, "probe %ld at %.40s", r->probes + 1, x.text);
-        cns_study_progress(f->study, fmin(1, (double)r->probes / f->probes_expected), what);
+        cns_monitor_tell(f->b->monitor, fmin(1, (double)r->probes / f->probes_expected), what);
         /* The distance to the critical value may be as small as the bracket, and a digit's worth more. */
         digits = FIRST_DIGITS + places;
         code = decide(f, &x, digits, mode, &used, err);
@@ -268,30 +264,18 @@ static cns_code narrow(search *f, cns_error *err)
     return code;
 }
 
-cns_code cns_bisect_trajectory(const cns_study *s, const cns_bisect_spec *spec, const cns_bisect_store *store,
-                               cns_bisect_result *r, cns_error *err)
+cns_code cns_bisect_by_trajectory(const cns_bisection *b, cns_error *err)
 {
-    search f = {.study = s, .spec = spec, .store = store, .r = r};
-    const int n = s->model->n_parameters;
-    *r = (cns_bisect_result){.decimals = -1};
-    f.parameters = cns_xalloc((size_t)n + 1, sizeof *f.parameters);
-    for (int i = 0; i < n; i++) {
-        cns_number_init(&f.parameters[i]);
-        cns_number_set(&f.parameters[i], &s->parameters[i]);
-    }
+    const cns_bisect_spec *spec = b->spec;
+    search f = {
+        .b = b, .spec = spec, .r = b->r, .probes_expected = (int)((double)spec->decimals * CNS_LOG2_10) + 4};
+    if (spec->lower.pi_power != 0 || spec->upper.pi_power != 0)
+        return cns_fail(err, CNS_USAGE, "the ends of a bracket are decimals or fractions, without pi");
     cns_number_init(&f.lower);
     cns_number_init(&f.upper);
     cns_number_set(&f.lower, &spec->lower);
     cns_number_set(&f.upper, &spec->upper);
-    f.probes_expected = (int)((double)spec->decimals * CNS_LOG2_10) + 4;
-    cns_code code = CNS_OK;
-    if (spec->lower.pi_power != 0 || spec->upper.pi_power != 0)
-        code = cns_fail(err, CNS_USAGE, "the ends of a bracket are decimals or fractions, without pi");
-    if (!code)
-        code = narrow(&f, err);
-    for (int i = 0; i < n; i++)
-        cns_number_clear(&f.parameters[i]);
-    free(f.parameters);
+    const cns_code code = narrow(&f, err);
     cns_number_clear(&f.lower);
     cns_number_clear(&f.upper);
     return code;

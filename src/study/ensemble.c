@@ -8,6 +8,7 @@
 #include "core/clock.h"
 #include "core/files.h"
 #include "core/memory.h"
+#include "core/monitor.h"
 #include "core/sha256.h"
 #include "num/flint.h"
 
@@ -43,7 +44,7 @@ static void speak(gang *g, bool now)
     g->next_word = time + pause;
     char word[WORD];
     snprintf(word, sizeof word, "%d of %d runs done", g->e->n - g->missing + g->ended, g->e->n);
-    cns_study_progress(g->e->study, g->total > 0 ? g->done / g->total : 1, word);
+    cns_monitor_tell(g->e->monitor, g->total > 0 ? g->done / g->total : 1, word);
 }
 
 void cns_ensemble_tell(cns_ensemble_job *job, double fraction)
@@ -135,7 +136,7 @@ static void work(gang *g, cns_ensemble_job *job)
 static cns_ensemble_job *take(gang *g)
 {
     pthread_mutex_lock(&g->lock);
-    const bool halt = g->halt || (g->e->study->stop != NULL && *g->e->study->stop);
+    const bool halt = g->halt || cns_monitor_stopped(g->e->monitor);
     cns_ensemble_job *job = halt || g->next == g->missing ? NULL : &g->jobs[g->next++];
     pthread_mutex_unlock(&g->lock);
     return job;
@@ -158,7 +159,8 @@ static void *helper(void *context)
  * these do all the work. */
 static void work_together(gang *g)
 {
-    const int threads = g->e->study->threads < g->missing ? g->e->study->threads : g->missing;
+    const int allowed = cns_monitor_threads(g->e->monitor),
+              threads = allowed < g->missing ? allowed : g->missing;
     pthread_t *thread = cns_xalloc((size_t)(threads > 0 ? threads : 1), sizeof *thread);
     int others = 0;
     while (others < threads - 1 && pthread_create(&thread[others], NULL, helper, g) == 0)
@@ -195,6 +197,8 @@ cns_code cns_ensemble_run(const cns_ensemble *e, char **results, cns_error *err)
 {
     for (int i = 0; i < e->n; i++)
         results[i] = NULL;
+    if (e->directory != NULL && e->identity == NULL)
+        return cns_fail(err, CNS_NUMERIC, "out of memory");
     if (e->directory != NULL && cns_directory_make(e->directory, err) != CNS_OK)
         return err->code;
     const size_t n = (size_t)e->n;

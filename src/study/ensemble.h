@@ -8,22 +8,26 @@
 #ifndef CNS_STUDY_ENSEMBLE_H
 #define CNS_STUDY_ENSEMBLE_H
 
-#include "cns/study.h"
+#include <stddef.h>
+
+#include "cns/monitor.h"
+#include "cns/status.h"
 
 typedef struct cns_ensemble_job cns_ensemble_job;
 
 typedef struct cns_ensemble {
     int n;
-    const cns_study *study; /* its threads, stop and progress */
-    const char *directory;  /* made if it is not there; NULL: nothing is kept */
-    const char *identity;   /* whatever all results depend on, such as the resolved case */
+    const cns_monitor *monitor;
+    const char *directory; /* made if it is not there; NULL: nothing is kept */
+    const char *identity;  /* whatever all results depend on, by cns_system_identity(), NULL being its lack of
+                              memory */
     void *context;
     /* A name for job i, unlike all others: it is the file's name, and part of the job's identity; written
      * to `name`, without slashes. */
     void (*name)(void *context, int i, char *name, size_t size);
     double (*cost)(void *context, int i); /* > 0, in any unit; the longest begin first */
     /* Does job i; *result is a new text, which free() frees. Runs on any thread. CNS_STOPPED when the
-     * study's stop was raised. Any failure ends the ensemble; a job that has failed in a way that is a
+     * monitor's stop was raised. Any failure ends the ensemble; a job that has failed in a way that is a
      * result should say so in its text. */
     cns_code (*run)(void *context, int i, cns_ensemble_job *job, char **result, cns_error *err);
 } cns_ensemble;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/memory.h"
+#include "core/monitor.h"
 #include "integrate/numerics.h"
 #include "num/logs.h"
 #include "taylor/tangent.h"
@@ -22,7 +23,6 @@ static const int batch_counts[CNS_LYAPUNOV_COUNTS] = {16, 32, 64, 128};
 static const double ln_2 = 0.69314718055994530942;
 
 typedef struct walk {
-    const cns_lyapunov_problem *p;
     int d; /* dynamic states */
     int order;
     int *index;
@@ -42,37 +42,39 @@ static double direction(int i)
     return x - floor(x);
 }
 
-static cns_code walk_open(walk *w, const cns_lyapunov_problem *p, cns_error *err)
+static cns_code walk_open(walk *w, const cns_system *s, const cns_lyapunov_spec *l,
+                          const volatile sig_atomic_t *stop, cns_error *err)
 {
-    const int n = cns_program_states(p->program);
-    *w = (walk){.p = p};
+    const cns_program *program = cns_system_program(s);
+    const int n = cns_program_states(program);
+    *w = (walk){.d = 0};
     mpq_init(w->time);
     w->index = cns_xalloc((size_t)n + 1, sizeof *w->index);
-    w->d = cns_dynamic_states(p->program, w->index);
+    w->d = cns_dynamic_states(program, w->index);
     if (w->d == 0)
         return cns_fail(err, CNS_NUMERIC, "no state feeds back on another: there is no exponent to find");
     w->scales = cns_xalloc(2 * (size_t)w->d, sizeof *w->scales);
     w->initial = cns_xalloc(2 * (size_t)w->d, sizeof *w->initial);
     w->x = cns_xalloc(2 * (size_t)w->d, sizeof *w->x);
     for (int i = 0; i < w->d; i++) {
-        const double scale = p->scales[w->index[i]];
+        const double scale = cns_system_scales(s)[w->index[i]];
         w->scales[i] = w->scales[w->d + i] = scale;
         cns_number_init(&w->initial[i]);
-        cns_number_set(&w->initial[i], &p->initial[w->index[i]]);
+        cns_number_set(&w->initial[i], &cns_system_initial(s)[w->index[i]]);
         cns_number_init(&w->initial[w->d + i]);
-        mpq_set_d(w->initial[w->d + i].ratio, p->tangent ? p->tangent[i] : scale * direction(i));
+        mpq_set_d(w->initial[w->d + i].ratio, l->tangent ? l->tangent[i] : scale * direction(i));
     }
-    cns_code code = cns_tangent_program(p->program, 1, &w->program, err);
+    cns_code code = cns_tangent_program(program, 1, &w->program, err);
     if (code)
         return code;
-    const bool in_double = p->arithmetic == CNS_ARITH_DOUBLE;
+    const bool in_double = l->arithmetic == CNS_ARITH_DOUBLE;
     cns_flow_spec spec =
-        cns_flow_spec_taylor(w->program, w->scales, p->arithmetic, in_double ? CNS_DOUBLE_DIGITS : p->digits);
+        cns_flow_spec_taylor(w->program, w->scales, l->arithmetic, in_double ? CNS_DOUBLE_DIGITS : l->digits);
     if (in_double) {
         spec.order = DOUBLE_ORDER;
         spec.tolerance_log2 = DOUBLE_TOLERANCE_LOG2;
     }
-    spec.stop = p->stop;
+    spec.stop = stop;
     for (int i = 0; i < 2 * w->d; i++)
         mpfr_init2(w->x[i], spec.prec);
     w->order = spec.order;
@@ -162,14 +164,16 @@ double cns_batch_error(const double *x, int n, int batches)
     return sqrt(sum / ((double)batches * (batches - 1)));
 }
 
-cns_code cns_lyapunov(const cns_lyapunov_problem *p, cns_lyapunov_result *result, cns_error *err)
+cns_code cns_lyapunov(const cns_system *s, const cns_lyapunov_spec *spec, const cns_monitor *monitor,
+                      cns_lyapunov_result *result, cns_error *err)
 {
     walk w;
     double rate[BLOCKS], start = 0, before = 0;
-    *result = (cns_lyapunov_result){.discarded = p->time / DISCARDED_PART};
-    cns_code code = walk_open(&w, p, err);
+    const double time = cns_number_get_d(&spec->time);
+    *result = (cns_lyapunov_result){.discarded = time / DISCARDED_PART};
+    cns_code code = walk_open(&w, s, spec, cns_monitor_stop(monitor), err);
     for (int k = 1 - BLOCKS / DISCARDED_PART; !code && k <= BLOCKS; k++) {
-        const double block = p->time / BLOCKS, t = result->discarded + k * block;
+        const double block = time / BLOCKS, t = result->discarded + k * block;
         double growth = 0;
         code = growth_at(&w, t, &growth, err);
         if (code)
@@ -182,15 +186,14 @@ cns_code cns_lyapunov(const cns_lyapunov_problem *p, cns_lyapunov_result *result
         if (k > 0 && k % BLOCKS_PER_ROW == 0)
             result->row[k / BLOCKS_PER_ROW - 1] = (cns_lyapunov_row){
                 .t = t, .lambda = (growth - start) / (k * block), .se = cns_batch_error(rate, k, BATCHES)};
-        if (p->progress)
-            p->progress(p->context, t / (result->discarded + p->time), "largest exponent");
+        cns_monitor_tell(monitor, t / (result->discarded + time), "largest exponent");
     }
     if (!code) {
         result->lambda = result->row[CNS_LYAPUNOV_ROWS - 1].lambda;
         result->se = result->row[CNS_LYAPUNOV_ROWS - 1].se;
         for (int b = 0; b < CNS_LYAPUNOV_COUNTS; b++) {
             result->batch[b].count = batch_counts[b];
-            result->batch[b].length = p->time / batch_counts[b];
+            result->batch[b].length = time / batch_counts[b];
             result->batch[b].se = cns_batch_error(rate, BLOCKS, batch_counts[b]);
         }
         result->order = w.order;

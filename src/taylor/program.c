@@ -486,8 +486,6 @@ void cns_program_print(const cns_program *p, FILE *out)
             fprintf(out, " %d", n->index);
         if (n->op == CNS_OP_CONSTANT)
             fprintf(out, " %s", n->index < 0 ? p->smooth.text : p->constants[n->index].text);
-        if (n->op == CNS_OP_PARAMETER)
-            fprintf(out, " (%s)", p->parameters[n->index].text);
         for (int k = 0; k < 4 && n->arg[k] >= 0; k++)
             fprintf(out, " %%%d", n->arg[k]);
         if (p->finished)

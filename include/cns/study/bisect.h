@@ -4,12 +4,21 @@
 #ifndef CNS_STUDY_BISECT_H
 #define CNS_STUDY_BISECT_H
 
-#include "cns/status.h"
-#include "cns/study.h"
+#include <stdbool.h>
+
+#include "cns/monitor.h"
+#include "cns/system.h"
 
 CNS_BEGIN_DECLS
 
 #define CNS_MODE_NAME 32
+
+typedef struct cns_bisect_spec {
+    int parameter;           /* of the model */
+    cns_number lower, upper; /* lower < upper */
+    bool by_manifold;        /* else by trajectory */
+    long decimals;           /* >= 1 */
+} cns_bisect_spec;
 
 typedef struct cns_bisect_result {
     char *lower, *upper; /* parameters that were probed, as exact decimals: the change lies between them */
@@ -21,20 +30,13 @@ typedef struct cns_bisect_result {
 
 void cns_bisect_clear(cns_bisect_result *r); /* frees the texts */
 
-/* Where probes are kept, so that a stopped bisection goes on where it was (see ensemble.h). */
-typedef struct cns_bisect_store {
-    const char *directory; /* NULL: nothing is kept */
-    const char *identity;  /* whatever a probe depends on besides the parameter sought */
-} cns_bisect_store;
-
-/* Both: CNS_UNREACHED when the ends of the bracket have the same mode (then `critical` is NULL and the modes
+/* directory: where probes are kept, so that a stopped bisection goes on where it was; NULL: nowhere.
+ * CNS_UNREACHED when the ends of the bracket have the same mode (then `critical` is NULL and the modes
  * say which), or when fewer decimals than asked for could be proven; r holds the honest result. CNS_USAGE:
  * the model does not say what is needed. CNS_NUMERIC, CNS_IO, CNS_STOPPED: r holds the bracket so far, if
  * there is one. */
-cns_code cns_bisect_trajectory(const cns_study *s, const cns_bisect_spec *spec, const cns_bisect_store *store,
-                               cns_bisect_result *r, cns_error *err);
-cns_code cns_bisect_manifold(const cns_study *s, const cns_bisect_spec *spec, const cns_bisect_store *store,
-                             cns_bisect_result *r, cns_error *err);
+cns_code cns_bisect(const cns_system *s, const cns_bisect_spec *spec, const char *directory,
+                    const cns_monitor *monitor, cns_bisect_result *r, cns_error *err);
 
 CNS_END_DECLS
 

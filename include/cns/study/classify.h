@@ -19,7 +19,8 @@
 #ifndef CNS_STUDY_CLASSIFY_H
 #define CNS_STUDY_CLASSIFY_H
 
-#include "cns/study.h"
+#include "cns/monitor.h"
+#include "cns/system.h"
 
 CNS_BEGIN_DECLS
 
@@ -70,7 +71,8 @@ typedef struct cns_motion {
     char *maximum[CNS_MOTION_EXTREMA]; /* chaos: six digits of a shadowing trajectory's, a sample */
 } cns_motion;
 
-cns_code cns_classify(const cns_study *s, const cns_classify_spec *spec, cns_motion *motion, cns_error *err);
+cns_code cns_classify(const cns_system *s, const cns_classify_spec *spec, const cns_monitor *monitor,
+                      cns_motion *motion, cns_error *err);
 void cns_motion_clear(cns_motion *motion);
 
 CNS_END_DECLS

@@ -8,10 +8,8 @@
 #ifndef CNS_STUDY_EQUILIBRIA_H
 #define CNS_STUDY_EQUILIBRIA_H
 
-#include <stdbool.h>
-
-#include "cns/status.h"
-#include "cns/study.h"
+#include "cns/monitor.h"
+#include "cns/system.h"
 
 CNS_BEGIN_DECLS
 
@@ -40,7 +38,8 @@ typedef struct cns_equilibria {
 /* decimals: 1..CNS_EQUILIBRIA_MAX_DECIMALS digits after the point. CNS_USAGE: the model knows no fixed
  * points. CNS_UNREACHED: some points could not be proven (err names them), or not to so many decimals;
  * *result holds what could. *result is NULL with any other failure. */
-cns_code cns_equilibria_find(const cns_study *s, long decimals, cns_equilibria **result, cns_error *err);
+cns_code cns_equilibria_find(const cns_system *s, long decimals, const cns_monitor *monitor,
+                             cns_equilibria **result, cns_error *err);
 void cns_equilibria_free(cns_equilibria *e);
 
 CNS_END_DECLS

@@ -12,17 +12,56 @@
  * is CNS_USAGE.
  *
  * A run stops when its T_c is found. A run that does not find it before the reference ends makes the
- * reference longer, at most up to the study's `end`; a point without T_c, or with a failed run, is left out
+ * reference longer, at most up to the problem's `end`; a point without T_c, or with a failed run, is left out
  * of the fit and named. */
 #ifndef CNS_STUDY_LAWS_H
 #define CNS_STUDY_LAWS_H
 
-#include "cns/study.h"
-#include "study/predict/fit.h"
+#include "cns/solve.h"
 
 CNS_BEGIN_DECLS
 
+/* Values from `from` towards `to`, per_decade of them in a factor of ten. */
+typedef struct cns_decades {
+    cns_number from, to; /* > 0, from > to */
+    long per_decade;     /* >= 1 */
+} cns_decades;
+
+/* The Euclidean distance of the dynamic states, each divided by the model's scale. */
+#define CNS_OBSERVABLE_NORM (-1)
+
+typedef struct cns_laws_spec {
+    cns_number delta; /* > 0 */
+    int observable;   /* a state, or CNS_OBSERVABLE_NORM */
+    bool has_digits, has_steps, has_smoothing;
+    struct {
+        long from, to, by; /* 1 <= from <= to, by >= 1 */
+    } digits;
+    struct {
+        cns_method method;
+        long order;  /* 0: the program's choice; RK4's is 4 */
+        long digits; /* of the arithmetic */
+        cns_decades sizes;
+    } steps;
+    cns_decades smoothing;
+} cns_laws_spec;
+
 typedef enum cns_law_kind { CNS_LAW_DIGITS, CNS_LAW_STEPS, CNS_LAW_SMOOTHING, CNS_LAW_KINDS } cns_law_kind;
+
+/* A straight line through points that fluctuate like a random walk: see study/predict/fit.h. */
+typedef struct cns_fit {
+    int n;
+    double slope, intercept; /* ordinary least squares */
+    double slope_se, intercept_se;
+    double slope_95, intercept_95; /* half widths of the 95 % limits, by Student's t */
+    double slope_gls,
+        slope_gls_se;    /* generalised least squares under the covariance of the walk: the efficient one */
+    double slope_robust; /* Theil and Sen: the median of the slopes of all pairs */
+    double r2;           /* NaN when all ordinates are the same */
+    double residual_sd;  /* with n - 2 degrees of freedom */
+    double walk, jitter; /* variances, as used: per unit of x, and of each point */
+    long dof;
+} cns_fit;
 
 typedef struct cns_law_point {
     char *text;     /* K, h or eps, as run */
@@ -53,9 +92,10 @@ typedef struct cns_laws_result {
     int order;              /* of the method of the step law */
 } cns_laws_result;
 
-/* directory: where every run is kept, NULL for nowhere; the same study again does what is missing. *r is to
- * be cleared whatever is returned. CNS_USAGE: nothing asked for, or what cannot be done. */
-cns_code cns_laws(const cns_study *study, const cns_laws_spec *spec, const char *directory,
+/* Of the problem's system, with its rows, at most up to its end; columns and sink are of no use here.
+ * directory: where every run is kept, NULL for nowhere; the same again does what is missing. *r is to be
+ * cleared whatever is returned. CNS_USAGE: nothing asked for, or what cannot be done. */
+cns_code cns_laws(const cns_problem *problem, const cns_laws_spec *spec, const char *directory,
                   cns_laws_result *r, cns_error *err);
 void cns_laws_result_clear(cns_laws_result *r);
 

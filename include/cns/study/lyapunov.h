@@ -22,24 +22,20 @@
 #define CNS_STUDY_LYAPUNOV_H
 
 #include "cns/flow.h"
+#include "cns/monitor.h"
+#include "cns/system.h"
 
 CNS_BEGIN_DECLS
 
 #define CNS_LYAPUNOV_ROWS   32 /* of the convergence table: at t0 + k T / 32 */
 #define CNS_LYAPUNOV_COUNTS 4  /* numbers of batches tried: 16, 32, 64, 128 */
 
-typedef struct cns_lyapunov_problem {
-    const cns_program *program; /* finished */
-    const double *scales;       /* per state, > 0 */
-    const cns_number *initial;  /* per state */
-    const double *tangent;      /* at t = 0, per dynamic state; NULL: one that no symmetry singles out */
-    double time;                /* T > 0; the trajectory is followed for 1.1 T */
-    cns_arithmetic arithmetic;  /* of states and tangents */
-    long digits;                /* not with double: 1.. */
-    const volatile sig_atomic_t *stop;
-    void (*progress)(void *context, double fraction, const char *what); /* may be NULL */
-    void *context;
-} cns_lyapunov_problem;
+typedef struct cns_lyapunov_spec {
+    cns_number time;           /* T > 0; the trajectory is followed for 1.1 T */
+    cns_arithmetic arithmetic; /* of states and tangents */
+    long digits;               /* >= 1; 0 with arithmetic double */
+    const double *tangent;     /* at t = 0, per dynamic state; NULL: one that no symmetry singles out */
+} cns_lyapunov_spec;
 
 typedef struct cns_lyapunov_row {
     double t; /* since the beginning of the trajectory */
@@ -60,7 +56,8 @@ typedef struct cns_lyapunov_result {
 } cns_lyapunov_result;
 
 /* CNS_NUMERIC: a singularity, no dynamic states, or a tangent that vanishes; CNS_STOPPED. */
-cns_code cns_lyapunov(const cns_lyapunov_problem *p, cns_lyapunov_result *result, cns_error *err);
+cns_code cns_lyapunov(const cns_system *s, const cns_lyapunov_spec *spec, const cns_monitor *monitor,
+                      cns_lyapunov_result *result, cns_error *err);
 
 /* The standard error of the mean of x[0..n-1] from `batches` batches of n / batches each, which must divide
  * n; at least 2. */

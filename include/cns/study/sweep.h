@@ -3,7 +3,6 @@
 #define CNS_STUDY_SWEEP_H
 
 #include "cns/study/classify.h"
-#include "study/ensemble.h"
 
 CNS_BEGIN_DECLS
 
@@ -25,9 +24,10 @@ int cns_sweep_count(const cns_sweep *s);
 
 /* rows[0..count-1]: new texts without a newline, NULL where a job was not done; they begin with the value of
  * the parameter, an exact decimal or a fraction. A value whose motion cannot be computed has the mode
- * `failed` and says why. directory, identity: see ensemble.h. */
-cns_code cns_sweep_run(const cns_study *study, const cns_sweep *sweep, const cns_classify_spec *spec,
-                       const char *directory, const char *identity, char **rows, cns_error *err);
+ * `failed` and says why. directory: where every row is kept, so that
+ * the same sweep again does what is missing; NULL: nowhere. */
+cns_code cns_sweep_run(const cns_system *s, const cns_sweep *sweep, const cns_classify_spec *spec,
+                       const char *directory, const cns_monitor *monitor, char **rows, cns_error *err);
 
 CNS_END_DECLS
 

@@ -13,8 +13,6 @@
 #define CNS_STUDY_TC_H
 
 #include "cns/solve.h"
-#include "cns/study.h"
-#include "integrate/trajectory.h"
 
 CNS_BEGIN_DECLS
 
@@ -48,43 +46,21 @@ typedef struct cns_tc_result {
 
 void cns_tc_result_clear(cns_tc_result *r);
 
-/* Two trajectories, of programs with the same states. */
-typedef struct cns_tc_pair {
-    const cns_trajectory_spec *test, *reference;
-    const cns_number *end, *every; /* rows at multiples of every, and at the end */
-    const cns_number *delta;       /* > 0 */
-    int until;                     /* the comparison ends when this observable, or every one, has its T_c */
-    void (*progress)(void *context, double fraction); /* may be NULL */
-    void *context;
-} cns_tc_pair;
-
-/* The reference is trusted as long as the error that its own noise has grown to, by its measured tangents,
- * stays below delta by a factor of 2^44. result is valid, and to be cleared, whatever is returned.
- * CNS_UNREACHED: the reference was not trusted all the way. */
-cns_code cns_tc_compare(const cns_tc_pair *pair, cns_tc_result *result, cns_error *err);
-
-/* The run that numerics describe, as T_c means it. With K digits it is the K-digit run: the state is rounded
- * to K decimals after every step, and all else, the tolerance too where it is automatic, is finer by some
- * digits, so that nothing else matters. A double run is itself. numerics outlive the spec. */
-cns_flow_spec cns_tc_flow(const cns_program *program, const double *scales, const cns_numerics *numerics,
-                          const volatile sig_atomic_t *stop);
-
-typedef struct cns_tc_request {
+typedef struct cns_tc_spec {
     const cns_numerics *numerics; /* of the run under test */
-    const cns_program *program;   /* of the run under test */
-    const cns_program *truth;     /* of the reference: the same, or with true absolute values */
-    const cns_number *delta;
-    int until;
-    bool outputs;                                     /* derived quantities, too */
-    long reference_digits;                            /* 0: what it takes */
-    void (*progress)(void *context, double fraction); /* may be NULL */
-    void *context;
-} cns_tc_request;
+    const cns_system *truth; /* of the reference; NULL: the problem's, too; else another smoothing of it */
+    const cns_number *delta; /* > 0 */
+    int until;               /* end when this observable, or CNS_TC_EVERY_ONE, has its T_c */
+    long reference_digits;   /* 0: what it takes */
+} cns_tc_spec;
 
-/* T_c of a run by numerics against a Taylor run with more digits. Automatic digits are raised until the
- * reference can be trusted; CNS_UNREACHED as above, or when CNS_TC_MAX_DIGITS do not suffice. */
+/* T_c of a run by numerics against a Taylor run with more digits, at the problem's rows; derived quantities,
+ * too, if a column of the problem is one; its sink is of no use here. The reference is trusted as long as the
+ * error that its own noise has grown to, by its measured tangents, stays below delta by a factor of 2^44.
+ * Automatic digits are raised until it can be trusted all the way; CNS_UNREACHED when those given, or
+ * CNS_TC_MAX_DIGITS, do not suffice. result is valid, and to be cleared, whatever is returned. */
 #define CNS_TC_MAX_DIGITS 5000
-cns_code cns_tc_measure(const cns_study *study, const cns_tc_request *request, cns_tc_result *result,
+cns_code cns_tc_measure(const cns_problem *problem, const cns_tc_spec *spec, cns_tc_result *result,
                         cns_error *err);
 
 CNS_END_DECLS

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "core/memory.h"
+#include "core/monitor.h"
 #include "cycle.h"
 #include "num/decimal_text.h"
 #include "num/logs.h"
@@ -101,7 +102,7 @@ static void set_start(const cns_return_map *S, const cns_late *late, const cns_c
     for (int i = 0; i < S->d; i++) {
         if (S->index[i] == S->section.state)
             continue;
-        mpfr_mul_si(x, c->z[i], cns_system_sign(S, i, *turns, late->side), MPFR_RNDN);
+        mpfr_mul_si(x, c->z[i], cns_return_map_sign(S, i, *turns, late->side), MPFR_RNDN);
         cns_number_from_mpfr(&start[S->index[i]], x);
     }
     mpfr_clear(x);
@@ -117,8 +118,8 @@ static void drop_first_maximum(measures *m, int n_states)
 static cns_code measure(const cns_return_map *S, const cns_late *late, const cns_cycle *c, long digits,
                         measures *m, cns_error *err)
 {
-    const mpfr_prec_t prec = cns_study_bits(digits);
-    const cns_flow_spec spec = cns_study_flow(S->study, S->program, S->study->scales, digits);
+    const mpfr_prec_t prec = cns_modes_bits(digits);
+    const cns_flow_spec spec = cns_return_map_flow(S, S->program, S->scales, digits);
     const long wanted = repetitions(S, c) * c->returns;
     const int swinging = S->motion != NULL ? S->motion->angle : S->observable;
     cns_number *start = cns_xalloc((size_t)S->n, sizeof *start);
@@ -145,7 +146,7 @@ static cns_code measure(const cns_return_map *S, const cns_late *late, const cns
         sections[k].state = k == 1 ? S->observable : swinging;
     }
     cns_flow *f = cns_flow_new(&spec, err);
-    cns_meetings *s = cns_meetings_new(sections, 3, S->n, S->study->scales, prec, err);
+    cns_meetings *s = cns_meetings_new(sections, 3, S->n, S->scales, prec, err);
     if (f == NULL || s == NULL)
         code = err->code;
     if (!code) {
@@ -165,7 +166,7 @@ static cns_code measure(const cns_return_map *S, const cns_late *late, const cns
             if (seen == wanted && mpfr_greater_p(at->time, last))
                 break;
             if (at->section == 0 && seen < wanted &&
-                cns_system_counts(S, at, late->direction * (S->motion ? late->side : 1))) {
+                cns_return_map_counts(S, at, late->direction * (S->motion ? late->side : 1))) {
                 if (++seen < wanted)
                     continue;
                 mpfr_set(m->value[0], at->time, MPFR_RNDN);
@@ -232,8 +233,8 @@ static cns_code describe(const cns_return_map *S, const cns_late *late, const cn
         clear_measures(&b);
         return code;
     }
-    const double noise = 10 + fmax(0, fine->growth_log2) - (double)cns_study_bits(coarse_digits);
-    const bool angle = S->study->model->motion != NULL;
+    const double noise = 10 + fmax(0, fine->growth_log2) - (double)cns_modes_bits(coarse_digits);
+    const bool angle = cns_system_model(S->system)->motion != NULL;
     motion->mode = !angle ? CNS_MODE_PERIODIC : b.winding == 0 ? CNS_MODE_FLUTTER : CNS_MODE_TUMBLE;
     motion->symmetry = fine->mirrored             ? CNS_SYMMETRY_MIRROR
                        : repetitions(S, fine) > 1 ? CNS_SYMMETRY_TURN
@@ -250,8 +251,8 @@ static cns_code describe(const cns_return_map *S, const cns_late *late, const cn
     for (int i = 0; i < S->n; i++)
         if (!is_dynamic(S, i))
             motion->drift[i] = agreed(a.value[a.drift + i], b.value[b.drift + i], noise);
-    if (angle && S->study->model->motion->height >= 0) {
-        const int h = S->study->model->motion->height;
+    if (angle && cns_system_model(S->system)->motion->height >= 0) {
+        const int h = cns_system_model(S->system)->motion->height;
         mpfr_t *const both[] = {a.value, b.value};
         for (int k = 0; k < 2; k++) { /* the amplitude's place is free now */
             mpfr_div(both[k][1], both[k][2 + h], both[k][0], MPFR_RNDN);
@@ -283,7 +284,7 @@ static cns_code reduce_cycle(const cns_return_map *S, long digits, cns_cycle *c,
             gap = 0;
             for (int i = 0; i < S->d; i++)
                 gap = fmax(gap, fabs(mpfr_get_d(part.z[i], MPFR_RNDN) - mpfr_get_d(c->z[i], MPFR_RNDN)) /
-                                    S->study->scales[S->index[i]]);
+                                    S->scales[S->index[i]]);
         }
         if (gap < exp2(2 * same_log2)) {
             cns_cycle_clear(c);
@@ -310,7 +311,7 @@ static cns_code settle_cycle(const cns_return_map *S, const cns_late *late, long
     /* What grows within one repetition, as near a saddle, takes digits of its own. */
     *short_of_digits =
         code == CNS_NUMERIC ||
-        (!code && coarse.growth_log2 > (double)cns_study_bits(coarse_digits) - CYCLE_LEAST_BITS);
+        (!code && coarse.growth_log2 > (double)cns_modes_bits(coarse_digits) - CYCLE_LEAST_BITS);
     if (*short_of_digits) {
         cns_cycle_clear(&coarse);
         return CNS_OK;
@@ -346,7 +347,7 @@ static bool same(const cns_return_map *S, const cns_late *a, const cns_late *b)
         double gap = 0;
         for (int i = 0; i < S->d; i++)
             gap = fmax(gap, fabs(mpfr_get_d(a->z[i], MPFR_RNDN) - mpfr_get_d(b->z[k * S->d + i], MPFR_RNDN)) /
-                                S->study->scales[S->index[i]]);
+                                S->scales[S->index[i]]);
         least = fmin(least, gap);
     }
     return least < exp2(same_log2);
@@ -356,7 +357,7 @@ static bool same(const cns_return_map *S, const cns_late *a, const cns_late *b)
  */
 static long more_digits(long digits, const cns_late *late, double horizon)
 {
-    const double base = -(double)cns_study_bits(digits);
+    const double base = -(double)cns_modes_bits(digits);
     const double grown = (late->noise_log2 - base) * CNS_LOG10_2 * fmax(1, horizon / late->time);
     const long needed = (long)fmin(grown, 1e6) + 12;
     const long least = digits == 0 ? SECOND_DIGITS : digits + CNS_ANOTHER_LIMB;
@@ -384,7 +385,8 @@ static double next_horizon(double horizon, const cns_late *late)
     return fmax(horizon, 1.5 * late->time);
 }
 
-cns_code cns_classify(const cns_study *s, const cns_classify_spec *spec, cns_motion *motion, cns_error *err)
+cns_code cns_classify(const cns_system *s, const cns_classify_spec *spec, const cns_monitor *monitor,
+                      cns_motion *motion, cns_error *err)
 {
     cns_return_map S;
     cns_late last = {0}, late = {0};
@@ -392,13 +394,13 @@ cns_code cns_classify(const cns_study *s, const cns_classify_spec *spec, cns_mot
     double horizon = 0;
     bool have_last = false, done = false;
     *motion = (cns_motion){.lambda_se = -1};
-    cns_code code = cns_system_open(&S, s, spec->observable, spec->until, err);
+    cns_code code = cns_return_map_open(&S, s, spec->observable, spec->until, cns_monitor_stop(monitor), err);
     for (int round = 0; round < ROUNDS && !code && !done; round++) {
         char what[96];
         bool short_of_digits = false;
         snprintf(what, sizeof what,
                  digits > 0 ? "following the motion with %ld digits" : "following the motion", digits);
-        cns_study_progress(s, (double)round / (round + 2.0), what);
+        cns_monitor_tell(monitor, (double)round / (round + 2.0), what);
         code = cns_late_find(&S, digits, horizon, &late, err);
         if (code)
             break;
@@ -444,6 +446,6 @@ cns_code cns_classify(const cns_study *s, const cns_classify_spec *spec, cns_mot
         snprintf(motion->note, sizeof motion->note, "runs of different precision do not agree");
     cns_late_clear(&last);
     cns_late_clear(&late);
-    cns_system_close(&S);
+    cns_return_map_close(&S);
     return code;
 }

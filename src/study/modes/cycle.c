@@ -46,12 +46,12 @@ static void close_map(map *m)
 static cns_code open_map(map *m, const cns_return_map *S, long digits, cns_error *err)
 {
     const int d = S->d, states = d + d * d;
-    *m = (map){.S = S, .d = d, .states = states, .prec = cns_study_bits(digits)};
+    *m = (map){.S = S, .d = d, .states = states, .prec = cns_modes_bits(digits)};
     mpfr_inits2(m->prec, m->x, m->y, (mpfr_ptr)0);
     m->scales = cns_xalloc((size_t)states, sizeof *m->scales);
     m->start = cns_xalloc((size_t)states, sizeof *m->start);
     for (int i = 0; i < states; i++) {
-        m->scales[i] = S->study->scales[S->index[i % d]];
+        m->scales[i] = S->scales[S->index[i % d]];
         cns_number_init(&m->start[i]);
     }
     m->r = cns_vector_xnew(d, m->prec);
@@ -59,7 +59,7 @@ static cns_code open_map(map *m, const cns_return_map *S, long digits, cns_error
     m->f = cns_vector_xnew(d, m->prec);
     if (cns_tangent_program(S->program, d, &m->tangent, err))
         return err->code;
-    const cns_flow_spec spec = cns_study_flow(S->study, m->tangent, m->scales, digits);
+    const cns_flow_spec spec = cns_return_map_flow(S, m->tangent, m->scales, digits);
     m->flow = cns_flow_new(&spec, err);
     if (m->flow == NULL)
         return err->code;
@@ -119,7 +119,7 @@ static cns_code evaluate(map *m, cns_cycle *c, cns_error *err)
             return code;
         for (int k = 0; k < cns_meetings_count(m->sections) && returns < c->returns; k++) {
             const cns_meeting *event = cns_meetings_meeting(m->sections, k);
-            if (!cns_system_counts(S, event, c->direction) || ++returns < c->returns)
+            if (!cns_return_map_counts(S, event, c->direction) || ++returns < c->returns)
                 continue;
             mpfr_set(c->time, event->time, MPFR_RNDN);
             c->turns = event->k * c->direction;
@@ -127,7 +127,7 @@ static cns_code evaluate(map *m, cns_cycle *c, cns_error *err)
             c->growth_log2 = -HUGE_VAL;
             code = rates(m, (const mpfr_t *)event->state, err);
             for (int i = 0; i < d && !code; i++) {
-                const int sign = cns_system_sign(S, i, event->k, event->direction);
+                const int sign = cns_return_map_sign(S, i, event->k, event->direction);
                 mpfr_mul_si(m->r[i], event->state[i], sign, MPFR_RNDN);
                 if (i == at)
                     mpfr_set_zero(m->r[i], 1);
@@ -229,8 +229,8 @@ cns_code cns_cycle_find(const cns_return_map *S, const mpfr_t *z, int returns, i
     map m;
     double best = HUGE_VAL;
     *c = (cns_cycle){.d = S->d, .returns = returns, .direction = direction};
-    c->z = cns_vector_xnew(S->d, cns_study_bits(digits));
-    mpfr_init2(c->time, cns_study_bits(digits));
+    c->z = cns_vector_xnew(S->d, cns_modes_bits(digits));
+    mpfr_init2(c->time, cns_modes_bits(digits));
     for (int i = 0; i < S->d; i++)
         mpfr_set(c->z[i], z[i], MPFR_RNDN);
     cns_code code = open_map(&m, S, digits, err);

@@ -32,19 +32,20 @@ static const double distrust_log2 = -16; /* noise at a return that could decide 
 static const double sure = 6;            /* standard errors by which an exponent is positive */
 static const double settled_log2 = -10;  /* nearer to its late motion than this, the transient is over */
 
-mpfr_prec_t cns_study_bits(long digits)
+mpfr_prec_t cns_modes_bits(long digits)
 {
     return digits > 0 ? cns_digits_to_bits(digits) : CNS_DOUBLE_BITS;
 }
 
-cns_flow_spec cns_study_flow(const cns_study *s, const cns_program *p, const double *scales, long digits)
+cns_flow_spec cns_return_map_flow(const cns_return_map *S, const cns_program *p, const double *scales,
+                                  long digits)
 {
     cns_flow_spec spec = digits > 0 ? cns_flow_spec_taylor(p, scales, CNS_ARITH_FAST, digits)
                                     : cns_flow_spec_taylor(p, scales, CNS_ARITH_DOUBLE, CNS_DOUBLE_DIGITS);
     if (digits == 0)
         spec.tolerance_log2 = DOUBLE_TOLERANCE_LOG2;
     spec.portable = true;
-    spec.stop = s->stop;
+    spec.stop = S->stop;
     return spec;
 }
 
@@ -79,7 +80,7 @@ static void angle_section(cns_return_map *S)
  * the angle passes its section there. */
 static cns_code choose_section(cns_return_map *S, cns_error *err)
 {
-    const cns_flow_spec spec = cns_study_flow(S->study, S->program, S->study->scales, 0);
+    const cns_flow_spec spec = cns_return_map_flow(S, S->program, S->scales, 0);
     double *low = cns_xalloc((size_t)S->n, sizeof *low), *high = cns_xalloc((size_t)S->n, sizeof *high);
     cns_meetings *sections = NULL;
     cns_flow *f = cns_flow_new(&spec, err);
@@ -87,11 +88,11 @@ static cns_code choose_section(cns_return_map *S, cns_error *err)
     int passes = 0;
     if (!code && S->motion != NULL) {
         angle_section(S);
-        sections = cns_meetings_new(&S->section, 1, S->n, S->study->scales, cns_flow_prec(f), err);
+        sections = cns_meetings_new(&S->section, 1, S->n, S->scales, cns_flow_prec(f), err);
         code = sections == NULL ? err->code : CNS_OK;
     }
     if (!code)
-        cns_flow_start(f, S->study->initial);
+        cns_flow_start(f, cns_system_initial(S->system));
     for (long step = 0; !code && step < LEVEL_STEPS && passes < 2; step++) {
         code = cns_flow_step(f, err);
         if (!code && sections != NULL)
@@ -110,8 +111,8 @@ static cns_code choose_section(cns_return_map *S, cns_error *err)
         S->motion = NULL;
         for (int k = 0; k < S->d; k++) {
             const int i = S->index[k];
-            if ((high[i] - low[i]) / S->study->scales[i] > widest) {
-                widest = (high[i] - low[i]) / S->study->scales[i];
+            if ((high[i] - low[i]) / S->scales[i] > widest) {
+                widest = (high[i] - low[i]) / S->scales[i];
                 S->section.state = i;
                 level = 0.5 * (low[i] + high[i]);
             }
@@ -130,15 +131,18 @@ static cns_code choose_section(cns_return_map *S, cns_error *err)
     return code;
 }
 
-cns_code cns_system_open(cns_return_map *S, const cns_study *study, int observable, double until,
-                         cns_error *err)
+cns_code cns_return_map_open(cns_return_map *S, const cns_system *system, int observable, double until,
+                             const volatile sig_atomic_t *stop, cns_error *err)
 {
-    *S = (cns_return_map){.study = study, .motion = study->model->motion, .limit = LIMIT};
+    const cns_model *m = cns_system_model(system);
+    *S = (cns_return_map){.system = system,
+                          .program = cns_system_program(system),
+                          .scales = cns_system_scales(system),
+                          .stop = stop,
+                          .motion = m->motion,
+                          .n = m->n_states,
+                          .limit = LIMIT};
     cns_event_condition_init(&S->section);
-    cns_code code = cns_study_program(study, &S->program, err);
-    if (code)
-        return code;
-    S->n = study->model->n_states;
     S->index = cns_xalloc((size_t)S->n + 1, sizeof *S->index);
     S->d = cns_dynamic_states(S->program, S->index);
     if (S->d < 2)
@@ -148,10 +152,9 @@ cns_code cns_system_open(cns_return_map *S, const cns_study *study, int observab
     return choose_section(S, err);
 }
 
-void cns_system_close(cns_return_map *S)
+void cns_return_map_close(cns_return_map *S)
 {
     cns_event_condition_clear(&S->section);
-    cns_program_free(S->program);
     free(S->index);
 }
 
@@ -160,7 +163,7 @@ static bool mirrors(const cns_return_map *S)
     return S->motion != NULL && S->motion->mirror_sign != NULL;
 }
 
-int cns_system_sign(const cns_return_map *S, int i, long turns, int direction)
+int cns_return_map_sign(const cns_return_map *S, int i, long turns, int direction)
 {
     const int state = S->index[i];
     if (S->motion == NULL)
@@ -169,7 +172,7 @@ int cns_system_sign(const cns_return_map *S, int i, long turns, int direction)
     return direction < 0 && mirrors(S) ? sign * S->motion->mirror_sign[state] : sign;
 }
 
-bool cns_system_counts(const cns_return_map *S, const cns_meeting *m, int before)
+bool cns_return_map_counts(const cns_return_map *S, const cns_meeting *m, int before)
 {
     if (m->direction == 0)
         return false;
@@ -221,7 +224,7 @@ static void close_follower(follower *F)
 static cns_code open_follower(follower *F, const cns_return_map *S, long digits, cns_late *late,
                               cns_error *err)
 {
-    const cns_flow_spec spec = cns_study_flow(S->study, S->program, S->study->scales, digits);
+    const cns_flow_spec spec = cns_return_map_flow(S, S->program, S->scales, digits);
     cns_event_condition both[2];
     *F = (follower){
         .S = S, .late = late, .fastest = -HUGE_VAL, .growing_until = -1, .batch_steps = BATCH_STEPS};
@@ -231,18 +234,18 @@ static cns_code open_follower(follower *F, const cns_return_map *S, long digits,
     F->z = cns_vector_xnew(HISTORY * S->d, spec.prec);
     F->flow = cns_flow_new(&spec, err);
     if (F->flow != NULL)
-        F->growth = cns_growth_new(S->program, S->study->scales, err);
+        F->growth = cns_growth_new(S->program, S->scales, err);
     if (F->growth == NULL)
         return err->code;
     both[0] = S->section;
     cns_event_condition_init(&both[1]);
     both[1].kind = CNS_CONDITION_EXTREMUM;
     both[1].state = S->observable;
-    F->sections = cns_meetings_new(both, 2, S->n, S->study->scales, spec.prec, err);
+    F->sections = cns_meetings_new(both, 2, S->n, S->scales, spec.prec, err);
     cns_event_condition_clear(&both[1]);
     if (F->sections == NULL)
         return err->code;
-    cns_flow_start(F->flow, S->study->initial);
+    cns_flow_start(F->flow, cns_system_initial(S->system));
     cns_growth_start(F->growth);
     cns_meetings_start(F->sections);
     return CNS_OK;
@@ -258,8 +261,8 @@ static double rate_log2(follower *F)
         mpfr_t *c = cns_flow_polynomial(F->flow, i, &degree, F->x);
         if (degree < 1 || mpfr_zero_p(c[1]))
             continue;
-        fastest = fmax(fastest,
-                       cns_log2_mpfr(c[1]) - cns_log2_mpfr(F->x) - cns_log2_2exp(F->S->study->scales[i], 0));
+        fastest =
+            fmax(fastest, cns_log2_mpfr(c[1]) - cns_log2_mpfr(F->x) - cns_log2_2exp(F->S->scales[i], 0));
     }
     return fastest;
 }
@@ -271,7 +274,7 @@ static double gap_log2(follower *F, long a, long b)
     double gap = -HUGE_VAL;
     for (int i = 0; i < d; i++) {
         mpfr_sub(F->x, F->z[a % HISTORY * d + i], F->z[b % HISTORY * d + i], MPFR_RNDN);
-        gap = fmax(gap, cns_log2_mpfr(F->x) - cns_log2_2exp(F->S->study->scales[F->S->index[i]], 0));
+        gap = fmax(gap, cns_log2_mpfr(F->x) - cns_log2_2exp(F->S->scales[F->S->index[i]], 0));
     }
     return gap;
 }
@@ -291,7 +294,7 @@ static void remember(follower *F, const cns_meeting *m)
         if (S->index[i] == S->section.state)
             mpfr_set_zero(*z, 1);
         else
-            mpfr_mul_si(*z, m->state[S->index[i]], cns_system_sign(S, i, m->k, m->direction), MPFR_RNDN);
+            mpfr_mul_si(*z, m->state[S->index[i]], cns_return_map_sign(S, i, m->k, m->direction), MPFR_RNDN);
         F->all[j * d + i] = mpfr_get_d(*z, MPFR_RNDN);
     }
     F->direction[j % HISTORY] = mirrors(S) ? 1 : m->direction;
@@ -312,7 +315,7 @@ static void settle(follower *F)
     for (int k = 0; k < S->d; k++) {
         const mpfr_t *x = &cns_flow_state(F->flow)[S->index[k]];
         late->rest[k] = mpfr_get_d(*x, MPFR_RNDN);
-        cns_number_get_mpfr(F->x, &S->study->initial[S->index[k]]);
+        cns_number_get_mpfr(F->x, &cns_system_initial(S->system)[S->index[k]]);
         late->moves[k] = !mpfr_equal_p(F->x, *x);
     }
 }
@@ -327,8 +330,7 @@ static void measure_transient(follower *F, int n)
         const long late = F->count - 1 - (F->count - 1 - j) % n;
         double gap = 0;
         for (int i = 0; i < d; i++)
-            gap = fmax(gap,
-                       fabs(F->all[j * d + i] - F->all[late * d + i]) / F->S->study->scales[F->S->index[i]]);
+            gap = fmax(gap, fabs(F->all[j * d + i] - F->all[late * d + i]) / F->S->scales[F->S->index[i]]);
         if (gap > near)
             break;
     }
@@ -428,7 +430,7 @@ static cns_code at_meetings(follower *F, bool *over, cns_error *err)
                 late->extremum[late->extrema++ % most] = mpfr_get_d(m->state[F->S->observable], MPFR_RNDN);
             continue;
         }
-        if (!cns_system_counts(F->S, m, 0))
+        if (!cns_return_map_counts(F->S, m, 0))
             continue;
         if (F->growing_until < 0) {
             mpfr_get_q(F->time, m->time);
@@ -521,7 +523,7 @@ bool cns_late_attracts(const cns_return_map *S, const cns_late *late)
         double gap = 0;
         for (int k = 0; k < S->d && found; k++)
             gap = fmax(gap, fabs(arf_get_d(arb_midref(f.x + k), ARF_RND_NEAR) - late->rest[k]) /
-                                S->study->scales[S->index[k]]);
+                                S->scales[S->index[k]]);
         attracts = found && gap < exp2(settled_log2) && cns_fixed_point_attracts(&f, late->moves);
         cns_fixed_point_clear(&f);
     }

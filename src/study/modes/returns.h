@@ -4,34 +4,36 @@
 #define CNS_STUDY_MODES_RETURNS_H
 
 #include "cns/events.h"
-#include "cns/study.h"
+#include "cns/system.h"
 
 /* What is followed, and what counts as a return. With an angle: angle = k (2 pi / turns), any k; a return's
  * reduced state is its state turned back k times and, where the angle falls and there is a mirror image,
  * mirrored, so that all motions that are the same up to these symmetries have the same reduced states.
  * Without an angle: a state rises through a level that it crosses in its late motion. */
 typedef struct cns_return_map {
-    const cns_study *study;
+    const cns_system *system;
+    const cns_program *program; /* the system's, */
+    const double *scales;       /* and its scales */
+    const volatile sig_atomic_t *stop;
     const cns_model_motion
         *motion; /* NULL: no angle, or one that does not turn or swing through its section */
-    cns_program *program;
-    int n, d;   /* states; dynamic ones */
-    int *index; /* of the dynamic states */
+    int n, d;    /* states; dynamic ones */
+    int *index;  /* of the dynamic states */
     cns_event_condition section;
     int observable;
     long limit;   /* steps a trajectory is followed for, at most */
     double until; /* time to follow it for instead; 0: the limit */
 } cns_return_map;
 
-cns_code cns_system_open(cns_return_map *S, const cns_study *study, int observable, double until,
-                         cns_error *err);
-void cns_system_close(cns_return_map *S);
+cns_code cns_return_map_open(cns_return_map *S, const cns_system *system, int observable, double until,
+                             const volatile sig_atomic_t *stop, cns_error *err);
+void cns_return_map_close(cns_return_map *S);
 
 /* The factor that takes dynamic state i of a return to its reduced state. */
-int cns_system_sign(const cns_return_map *S, int i, long turns, int direction);
+int cns_return_map_sign(const cns_return_map *S, int i, long turns, int direction);
 
 /* Does a meeting with the section count as a return, after one of this direction (0: the first)? */
-bool cns_system_counts(const cns_return_map *S, const cns_meeting *m, int before);
+bool cns_return_map_counts(const cns_return_map *S, const cns_meeting *m, int before);
 
 enum { CNS_MOST_RETURNS = 32 }; /* in one repetition */
 
@@ -78,10 +80,11 @@ void cns_late_clear(cns_late *late);
 bool cns_late_attracts(const cns_return_map *S, const cns_late *late);
 
 /* Working precision for so many digits; 0: that of double. */
-mpfr_prec_t cns_study_bits(long digits);
+mpfr_prec_t cns_modes_bits(long digits);
 
-/* Flows of this study's accuracy: Taylor, adaptive; digits 0: double. */
-cns_flow_spec cns_study_flow(const cns_study *s, const cns_program *p, const double *scales, long digits);
+/* Flows of this accuracy: Taylor, adaptive; digits 0: double. */
+cns_flow_spec cns_return_map_flow(const cns_return_map *S, const cns_program *p, const double *scales,
+                                  long digits);
 
 /* A number whose value is exactly x. */
 void cns_number_from_mpfr(cns_number *n, mpfr_srcptr x);

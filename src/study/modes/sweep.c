@@ -5,12 +5,15 @@
 #include <string.h>
 
 #include "core/memory.h"
+#include "core/monitor.h"
 #include "core/text.h"
+#include "study/ensemble.h"
 
 typedef struct jobs {
-    const cns_study *study;
+    const cns_system *system;
     const cns_sweep *sweep;
     const cns_classify_spec *spec;
+    const cns_monitor *monitor;
 } jobs;
 
 void cns_sweep_clear(cns_sweep *s)
@@ -117,7 +120,8 @@ static void name(void *context, int i, char *text, size_t size)
     cns_number x;
     cns_number_init(&x);
     value_at(j->sweep, i, &x);
-    snprintf(text, size, "%s=%.100s", j->study->model->parameters[j->sweep->parameter].name, x.text);
+    snprintf(text, size, "%s=%.100s", cns_system_model(j->system)->parameters[j->sweep->parameter].name,
+             x.text);
     for (char *at = text; *at != '\0'; at++)
         if (*at == '/')
             *at = '_';
@@ -166,30 +170,32 @@ static void print_row(FILE *out, const cns_motion *m)
     print_note(out, m->note);
 }
 
+static cns_code classify(const jobs *j, const cns_number *value, cns_motion *motion, cns_error *err)
+{
+    const cns_monitor quiet = {.stop = cns_monitor_stop(j->monitor)};
+    cns_system *s = cns_system_with(j->system, j->sweep->parameter, value, err);
+    *motion = (cns_motion){0};
+    cns_code code = s != NULL ? cns_classify(s, j->spec, &quiet, motion, err) : err->code;
+    cns_system_free(s);
+    return code;
+}
+
 static cns_code run(void *context, int i, cns_ensemble_job *job, char **result, cns_error *err)
 {
     const jobs *j = context;
-    const int n = j->study->model->n_parameters;
-    cns_number *parameters = cns_xalloc((size_t)n, sizeof *parameters);
-    cns_study study = *j->study;
     cns_motion motion;
+    cns_number x;
     char *text = NULL;
     size_t size = 0;
-    for (int k = 0; k < n; k++) {
-        cns_number_init(&parameters[k]);
-        cns_number_set(&parameters[k], &j->study->parameters[k]);
-    }
-    value_at(j->sweep, i, &parameters[j->sweep->parameter]);
-    study.parameters = parameters;
-    study.threads = 1;
-    study.progress = NULL;
-    cns_code code = cns_classify(&study, j->spec, &motion, err);
+    cns_number_init(&x);
+    value_at(j->sweep, i, &x);
+    cns_code code = classify(j, &x, &motion, err);
     cns_ensemble_tell(job, 1);
     FILE *out = open_memstream(&text, &size);
     if (out == NULL)
         code = cns_fail(err, CNS_NUMERIC, "out of memory");
     if (out != NULL && (!code || code == CNS_NUMERIC || code == CNS_UNREACHED)) {
-        fprintf(out, "%s,", parameters[j->sweep->parameter].text);
+        fprintf(out, "%s,", x.text);
         if (code) {
             fputs("failed,,,,,,,,,,", out);
             print_note(out, err->text);
@@ -205,23 +211,26 @@ static cns_code run(void *context, int i, cns_ensemble_job *job, char **result, 
     else
         free(text);
     cns_motion_clear(&motion);
-    for (int k = 0; k < n; k++)
-        cns_number_clear(&parameters[k]);
-    free(parameters);
+    cns_number_clear(&x);
     return code;
 }
 
-cns_code cns_sweep_run(const cns_study *study, const cns_sweep *sweep, const cns_classify_spec *spec,
-                       const char *directory, const char *identity, char **rows, cns_error *err)
+cns_code cns_sweep_run(const cns_system *s, const cns_sweep *sweep, const cns_classify_spec *spec,
+                       const char *directory, const cns_monitor *monitor, char **rows, cns_error *err)
 {
-    jobs j = {study, sweep, spec};
+    jobs j = {s, sweep, spec, monitor};
+    char *identity =
+        cns_system_identity(s, sweep->parameter, "classify, observable %d, until %.17g, digits %ld",
+                            spec->observable, spec->until, spec->max_digits);
     const cns_ensemble e = {.n = cns_sweep_count(sweep),
-                            .study = study,
+                            .monitor = monitor,
                             .directory = directory,
                             .identity = identity,
                             .context = &j,
                             .name = name,
                             .cost = cost,
                             .run = run};
-    return cns_ensemble_run(&e, rows, err);
+    const cns_code code = cns_ensemble_run(&e, rows, err);
+    free(identity);
+    return code;
 }

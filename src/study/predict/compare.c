@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/model.h"
+#include "cns/system.h"
 #include "core/memory.h"
 #include "core/text.h"
 #include "num/exact_decimal.h"
@@ -101,29 +101,17 @@ static cns_code choose_norm(comparison *c, cns_error *err)
                                                      : NULL;
     bool any = false;
     if (m) {
-        cns_program *program;
-        const cns_program_options options = {0};
-        cns_number *standard = cns_xalloc((size_t)m->n_parameters, sizeof *standard);
-        cns_code code = CNS_OK;
-        for (int i = 0; i < m->n_parameters; i++) {
-            cns_number_init(&standard[i]);
-            if (!code)
-                code = cns_number_parse(&standard[i], m->parameters[i].standard, err);
-        }
-        if (!code)
-            code = cns_model_program(m, standard, &options, &program, err);
-        for (int i = 0; i < m->n_parameters; i++)
-            cns_number_clear(&standard[i]);
-        free(standard);
-        if (code)
-            return code;
+        cns_system *system = cns_system_new(m, NULL, NULL, NULL, err);
+        if (!system)
+            return err->code;
         for (int k = 0; k < r->n; k++)
             for (int i = 0; i < m->n_states; i++)
-                if (!strcmp(r->name[k], m->states[i].name) && cns_program_is_dynamic(program, i)) {
+                if (!strcmp(r->name[k], m->states[i].name) &&
+                    cns_program_is_dynamic(cns_system_program(system), i)) {
                     r->in_norm[k] = any = true;
                     c->column[k].scale = m->states[i].scale;
                 }
-        cns_program_free(program);
+        cns_system_free(system);
         if (any)
             r->model = m->name;
     }

@@ -15,7 +15,7 @@
 #ifndef CNS_STUDY_PREDICT_FIT_H
 #define CNS_STUDY_PREDICT_FIT_H
 
-#include "cns/status.h"
+#include "cns/study/laws.h"
 
 typedef enum cns_spread_kind {
     CNS_SPREAD_WALK,        /* a walk, as strong as the increments of the points say; no jitter */
@@ -29,20 +29,6 @@ typedef struct cns_spread {
     long dof;            /* >= 1: degrees of freedom that they were found with (GIVEN only) */
     double start;        /* where the walk begins, at most the first x (of no use to INDEPENDENT) */
 } cns_spread;
-
-typedef struct cns_fit {
-    int n;
-    double slope, intercept; /* ordinary least squares */
-    double slope_se, intercept_se;
-    double slope_95, intercept_95; /* half widths of the 95 % limits, by Student's t */
-    double slope_gls,
-        slope_gls_se;    /* generalised least squares under the covariance above: the efficient one */
-    double slope_robust; /* Theil and Sen: the median of the slopes of all pairs */
-    double r2;           /* NaN when all ordinates are the same */
-    double residual_sd;  /* with n - 2 degrees of freedom */
-    double walk, jitter; /* as used */
-    long dof;
-} cns_fit;
 
 /* n >= 3 points, x increasing. CNS_USAGE: fewer, or not increasing, or not finite. */
 cns_code cns_fit_line(const double *x, const double *y, int n, const cns_spread *spread, cns_fit *fit,

@@ -6,15 +6,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/study/tc.h"
-#include "cns/version.h"
 #include "core/memory.h"
+#include "core/monitor.h"
 #include "core/sha256.h"
+#include "fit.h"
 #include "integrate/numerics.h"
 #include "integrate/rows.h"
 #include "integrate/trajectory.h"
 #include "num/logs.h"
 #include "study/ensemble.h"
+#include "tc_internal.h"
 
 enum {
     KEPT_DIGITS = 40, /* of a reference's states: they are compared with delta only */
@@ -61,12 +62,12 @@ typedef struct job {
 } job;
 
 typedef struct laws {
-    const cns_study *study;
+    const cns_problem *problem;
+    const cns_system *system; /* the reference's: the problem's own */
     const cns_laws_spec *spec;
     const char *directory;
     char *identity;
-    cns_program *exact; /* the reference's: the study's own */
-    int n;              /* states */
+    int n; /* states */
     double every, end, delta_log10;
     int order;
     int jobs;
@@ -75,7 +76,7 @@ typedef struct laws {
     double level;          /* growth at which the reference ends */
     reference ref;
     /* progress of the two ensembles as one */
-    cns_study inner;
+    cns_monitor inner;
     double base, span;
 } laws;
 
@@ -94,26 +95,27 @@ static void on_progress(void *context, double fraction, const char *what)
     const laws *l = context;
     char text[160];
     snprintf(text, sizeof text, "%s: %s", l->base > 0 ? "laws" : "reference", what);
-    cns_study_progress(l->study, l->base + l->span * fraction, text);
+    cns_monitor_tell(l->problem->monitor, l->base + l->span * fraction, text);
 }
 
 static void row_time(const laws *l, int row, mpq_t t)
 {
-    cns_row_time(l->study->every, l->study->end, (unsigned long)row, t);
+    cns_row_time(l->problem->every, l->problem->end, (unsigned long)row, t);
 }
 
-/* The last row that the study's end allows; laws compare at multiples of `every` only. */
+/* The last row that the problem's end allows; laws compare at multiples of `every` only. */
 static int last_row(const laws *l)
 {
-    const long last = cns_last_multiple(l->study->every, l->study->end);
+    const long last = cns_last_multiple(l->problem->every, l->problem->end);
     return last < INT_MAX ? (int)last : INT_MAX - 1;
 }
 
-static cns_flow_spec taylor(const laws *l, const cns_program *p, long digits, double safety)
+static cns_flow_spec taylor(const laws *l, const cns_system *s, long digits, double safety)
 {
-    cns_flow_spec spec = cns_flow_spec_taylor(p, l->study->scales, CNS_ARITH_FAST, digits);
+    cns_flow_spec spec =
+        cns_flow_spec_taylor(cns_system_program(s), cns_system_scales(s), CNS_ARITH_FAST, digits);
     spec.safety = safety;
-    spec.stop = l->study->stop;
+    spec.stop = cns_monitor_stop(l->problem->monitor);
     return spec;
 }
 
@@ -166,14 +168,16 @@ static cns_code reference_run(void *context, int number, cns_ensemble_job *told,
         return cns_fail(err, CNS_NUMERIC, "out of memory");
     falling precision;
     falling_init(&precision, l->ref.digits);
-    cns_trajectory_spec spec = {.flow = taylor(l, l->exact, l->ref.digits, 0), .initial = l->study->initial};
+    cns_trajectory_spec spec = {.flow = taylor(l, l->system, l->ref.digits, 0),
+                                .initial = cns_system_initial(l->system)};
     spec.flow.verify = true;
     spec.flow.schedule = &precision.schedule;
     cns_trajectory *t = cns_trajectory_new(&spec, err);
     cns_sample s = {0};
-    cns_code code = !t                                         ? err->code
-                    : cns_sample_init(&s, l->exact, KEPT_BITS) ? CNS_OK
-                                                               : cns_fail(err, CNS_NUMERIC, "out of memory");
+    cns_code code = !t ? err->code
+                    : cns_sample_init(&s, cns_system_program(l->system), KEPT_BITS)
+                        ? CNS_OK
+                        : cns_fail(err, CNS_NUMERIC, "out of memory");
     mpq_t time;
     mpq_init(time);
     const int last = last_row(l);
@@ -260,7 +264,7 @@ static cns_code make_reference(laws *l, cns_error *err)
     l->base = 0;
     l->span = 0.2;
     const cns_ensemble e = {.n = 1,
-                            .study = &l->inner,
+                            .monitor = &l->inner,
                             .directory = l->directory,
                             .identity = l->identity,
                             .context = l,
@@ -322,10 +326,10 @@ static void distance(const laws *l, const mpfr_t *u1, const mpfr_t *u2, mpfr_t s
     mpfr_init2(d, KEPT_BITS);
     mpfr_set_zero(sum, 1);
     for (int i = 0; i < l->n; i++) {
-        if (!cns_program_is_dynamic(l->exact, i))
+        if (!cns_program_is_dynamic(cns_system_program(l->system), i))
             continue;
         mpfr_sub(d, u1[i], u2[i], MPFR_RNDN);
-        mpfr_div_d(d, d, l->study->scales[i], MPFR_RNDN);
+        mpfr_div_d(d, d, cns_system_scales(l->system)[i], MPFR_RNDN);
         mpfr_sqr(d, d, MPFR_RNDN);
         mpfr_add(sum, sum, d, MPFR_RNDN);
     }
@@ -375,18 +379,18 @@ static void numbers_free(cns_number *v, int n)
 }
 
 /* The time within the interval after two states at which the observable parts; 1 interval if it does not. */
-static cns_code refine(const laws *l, const cns_program *p, const mpfr_t *u1, const mpfr_t *u2, double *part,
+static cns_code refine(const laws *l, const cns_system *s, const mpfr_t *u1, const mpfr_t *u2, double *part,
                        cns_error *err)
 {
     cns_number *a = numbers_of(u1, l->n), *b = numbers_of(u2, l->n);
-    const cns_trajectory_spec test = {.flow = taylor(l, p, FINE_DIGITS, 0), .initial = a},
-                              truth = {.flow = taylor(l, l->exact, FINE_DIGITS, 0), .initial = b};
+    const cns_trajectory_spec test = {.flow = taylor(l, s, FINE_DIGITS, 0), .initial = a},
+                              truth = {.flow = taylor(l, l->system, FINE_DIGITS, 0), .initial = b};
     const int until =
         l->spec->observable == CNS_OBSERVABLE_NORM ? CNS_TC_NORM : CNS_TC_STATE(l->spec->observable);
     const cns_tc_pair pair = {.test = &test,
                               .reference = &truth,
-                              .end = l->study->every,
-                              .every = l->study->every,
+                              .end = l->problem->every,
+                              .every = l->problem->every,
                               .delta = &l->spec->delta,
                               .until = until};
     cns_tc_result r = {0};
@@ -399,17 +403,17 @@ static cns_code refine(const laws *l, const cns_program *p, const mpfr_t *u1, co
 }
 
 /* precision: of a second reference; it must outlive the flow. */
-static cns_code job_flow(const laws *l, const job *j, const cns_program *smooth, falling *precision,
+static cns_code job_flow(const laws *l, const job *j, const cns_system *smooth, falling *precision,
                          cns_flow **flow, cns_error *err)
 {
     cns_numerics k = {.method = CNS_METHOD_TAYLOR, .arithmetic = CNS_ARITH_FAST, .digits = j->digits};
     cns_flow_spec spec;
     switch (j->kind) {
     case JOB_DIGITS:
-        spec = cns_tc_flow(l->exact, l->study->scales, &k, l->study->stop);
+        spec = cns_tc_flow(l->system, &k, cns_monitor_stop(l->problem->monitor));
         break;
     case JOB_STEPS:
-        spec = taylor(l, l->exact, j->digits, 0);
+        spec = taylor(l, l->system, j->digits, 0);
         spec.method = l->spec->steps.method;
         spec.arithmetic = CNS_ARITH_MPFR;
         spec.order = l->order;
@@ -419,7 +423,7 @@ static cns_code job_flow(const laws *l, const job *j, const cns_program *smooth,
         spec = taylor(l, smooth, j->digits, 0);
         break;
     default:
-        spec = taylor(l, l->exact, j->digits, 0.3);
+        spec = taylor(l, l->system, j->digits, 0.3);
         falling_init(precision, j->digits);
         spec.schedule = &precision->schedule;
         break;
@@ -437,7 +441,7 @@ static double growth_at(const laws *l, double t)
 
 /* A run against the reference, row by row. *tc is NaN when the reference ends first; *apart is then log10 of
  * the largest distance. A run that fails by its own numerics says so in *failure. */
-static cns_code compare(const laws *l, const job *j, cns_flow *f, const cns_program *p, falling *precision,
+static cns_code compare(const laws *l, const job *j, cns_flow *f, const cns_system *s, falling *precision,
                         cns_ensemble_job *told, double *tc, double *apart, char **failure, cns_error *err)
 {
     mpq_t time;
@@ -450,7 +454,7 @@ static cns_code compare(const laws *l, const job *j, cns_flow *f, const cns_prog
         mpfr_init2(now[i], KEPT_BITS);
         mpfr_init2(before[i], KEPT_BITS);
     }
-    cns_flow_start(f, l->study->initial);
+    cns_flow_start(f, cns_system_initial(l->system));
     *tc = NAN;
     cns_code code = CNS_OK;
     for (int row = 1; row < l->ref.rows && !code && isnan(*tc) && !*failure; row++) {
@@ -476,7 +480,7 @@ static cns_code compare(const laws *l, const job *j, cns_flow *f, const cns_prog
         if (j->kind != JOB_CHECK && parted(l, (const mpfr_t *)now, u2)) {
             double part = l->every;
             if (row > 1)
-                code = refine(l, p, (const mpfr_t *)before, u2 - l->n, &part, err);
+                code = refine(l, s, (const mpfr_t *)before, u2 - l->n, &part, err);
             *tc = (row - 1) * l->every + part;
         }
         cns_ensemble_tell(told, fmin(0.99, row * l->every / j->predicted));
@@ -498,22 +502,18 @@ static cns_code run(void *context, int i, cns_ensemble_job *told, char **result,
 {
     const laws *l = context;
     const job *j = &l->job[l->listed[i]];
-    cns_program *smooth = NULL;
+    cns_system *smooth = NULL;
     cns_flow *f = NULL;
     cns_code code = CNS_OK;
     double tc = NAN, apart = -HUGE_VAL;
     char *failure = NULL;
     falling precision = {0};
-    if (j->kind == JOB_SMOOTHING) {
-        cns_study smoothed = *l->study;
-        smoothed.smooth = &j->value;
-        code = cns_study_program(&smoothed, &smooth, err);
-    }
-    const cns_program *p = smooth ? smooth : l->exact;
+    if (j->kind == JOB_SMOOTHING && !(smooth = cns_system_smoothed(l->system, &j->value, err)))
+        code = err->code;
     if (!code)
         code = job_flow(l, j, smooth, &precision, &f, err);
     if (!code)
-        code = compare(l, j, f, p, &precision, told, &tc, &apart, &failure, err);
+        code = compare(l, j, f, smooth ? smooth : l->system, &precision, told, &tc, &apart, &failure, err);
     if (!code) {
         const size_t size = LINE + (failure ? strlen(failure) : 0);
         *result = cns_xalloc(size, 1);
@@ -526,7 +526,7 @@ static cns_code run(void *context, int i, cns_ensemble_job *told, char **result,
     }
     free(failure);
     cns_flow_free(f);
-    cns_program_free(smooth);
+    cns_system_free(smooth);
     return code;
 }
 
@@ -573,7 +573,7 @@ static cns_code probe(const laws *l, const job *first, double *truncation, cns_e
     cns_flow *f = NULL, *truth = NULL;
     mpq_t time;
     mpq_init(time);
-    const cns_flow_spec fine = taylor(l, l->exact, first->digits, 0);
+    const cns_flow_spec fine = taylor(l, l->system, first->digits, 0);
     mpfr_t d, *a = cns_xalloc((size_t)l->n, sizeof *a), *b = cns_xalloc((size_t)l->n, sizeof *b);
     mpfr_init2(d, KEPT_BITS);
     for (int i = 0; i < l->n; i++)
@@ -584,8 +584,8 @@ static cns_code probe(const laws *l, const job *first, double *truncation, cns_e
     if (!code && !(truth = cns_flow_new(&fine, err)))
         code = err->code;
     if (!code) {
-        cns_flow_start(f, l->study->initial);
-        cns_flow_start(truth, l->study->initial);
+        cns_flow_start(f, cns_system_initial(l->system));
+        cns_flow_start(truth, cns_system_initial(l->system));
     }
     for (int row = 1; !code && row <= last_row(l) && row * l->every <= probe_time; row++) {
         row_time(l, row, time);
@@ -655,26 +655,6 @@ static cns_code add_jobs(laws *l, cns_error *err)
     l->level += BEYOND;
     add_job(l, JOB_CHECK)->text = cns_xcopy("reference");
     return CNS_OK;
-}
-
-/* Whatever all results depend on. */
-static char *identity(const laws *l)
-{
-    const cns_study *s = l->study;
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (!out)
-        return cns_xcopy("");
-    fprintf(out, "cns %s laws\nmodel %s\n", CNS_VERSION, s->model->name);
-    for (int i = 0; i < s->model->n_parameters; i++)
-        fprintf(out, "%s %s\n", s->model->parameters[i].name, s->parameters[i].text);
-    for (int i = 0; i < s->model->n_states; i++)
-        fprintf(out, "%s %s\n", s->model->states[i].name, s->initial[i].text);
-    fprintf(out, "smooth %s\nend %s\nevery %s\ndelta %s\nobservable %d\n", s->smooth ? s->smooth->text : "no",
-            s->end->text, s->every->text, l->spec->delta.text, l->spec->observable);
-    fclose(out);
-    return text;
 }
 
 /* The statistics of growth along the reference, by windows. The fluctuation of growth has a bounded part,
@@ -756,7 +736,7 @@ static cns_code run_all(laws *l, char **results, cns_error *err)
     l->base = 0.2;
     l->span = 0.8;
     const cns_ensemble e = {.n = l->n_listed,
-                            .study = &l->inner,
+                            .monitor = &l->inner,
                             .directory = l->directory,
                             .identity = l->identity,
                             .context = l,
@@ -827,7 +807,7 @@ static cns_code check(const laws *l, cns_error *err)
     const cns_laws_spec *s = l->spec;
     if (!s->has_digits && !s->has_steps && !s->has_smoothing)
         return cns_fail(err, CNS_USAGE, "'laws' asks for none of 'digits', 'steps' and 'smoothing'");
-    if (s->has_smoothing && l->study->smooth)
+    if (s->has_smoothing && cns_system_smooth(l->system))
         return cns_fail(err, CNS_USAGE, "'laws: smoothing' needs 'abs: exact', which it is compared with");
     if (l->delta_log10 < TRUST_DIGITS - FINE_DIGITS / 2 - 1e-9)
         return cns_fail(err, CNS_USAGE, "'laws: delta' is too small: at least 1e%d",
@@ -835,19 +815,21 @@ static cns_code check(const laws *l, cns_error *err)
     return CNS_OK;
 }
 
-cns_code cns_laws(const cns_study *study, const cns_laws_spec *spec, const char *directory,
+cns_code cns_laws(const cns_problem *problem, const cns_laws_spec *spec, const char *directory,
                   cns_laws_result *r, cns_error *err)
 {
-    laws l = {.study = study,
+    laws l = {.problem = problem,
+              .system = problem->system,
               .spec = spec,
               .directory = directory,
-              .n = study->model->n_states,
-              .every = cns_number_get_d(study->every),
-              .end = cns_number_get_d(study->end),
-              .delta_log10 = log10_of(&spec->delta),
-              .inner = *study};
-    l.inner.progress = on_progress;
-    l.inner.context = &l;
+              .n = cns_system_model(problem->system)->n_states,
+              .every = cns_number_get_d(problem->every),
+              .end = cns_number_get_d(problem->end),
+              .delta_log10 = log10_of(&spec->delta)};
+    l.inner = (cns_monitor){.threads = cns_monitor_threads(problem->monitor),
+                            .stop = cns_monitor_stop(problem->monitor),
+                            .progress = on_progress,
+                            .context = &l};
     *r = (cns_laws_result){0};
     cns_code code = check(&l, err);
     if (code)
@@ -856,10 +838,10 @@ cns_code cns_laws(const cns_study *study, const cns_laws_spec *spec, const char 
                   ? (int)spec->steps.order
                   : cns_order_for(cns_digits_to_tolerance(spec->steps.digits), CNS_ARITH_MPFR);
     r->order = l.order;
-    l.identity = identity(&l);
-    code = cns_study_program(study, &l.exact, err);
-    if (!code)
-        code = add_jobs(&l, err);
+    l.identity =
+        cns_system_identity(l.system, -1, "laws, end %s, every %s, delta %s, observable %d",
+                            problem->end->text, problem->every->text, spec->delta.text, spec->observable);
+    code = add_jobs(&l, err);
     char **results = cns_xalloc((size_t)l.jobs, sizeof *results);
     l.listed = cns_xalloc((size_t)l.jobs, sizeof *l.listed);
     for (int extension = 0; !code; extension++) {
@@ -887,7 +869,6 @@ cns_code cns_laws(const cns_study *study, const cns_laws_spec *spec, const char 
     free(results);
     free(l.identity);
     reference_clear(&l.ref, l.n);
-    cns_program_free(l.exact);
     return code;
 }
 

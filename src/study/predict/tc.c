@@ -1,13 +1,15 @@
-#include "cns/study/tc.h"
+#include "tc_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "core/memory.h"
+#include "core/monitor.h"
 #include "integrate/numerics.h"
 #include "integrate/rows.h"
 #include "num/logs.h"
 #include "solve/proof.h"
+#include "solve/solve_internal.h"
 
 enum {
     PREC = 64,            /* of differences and limits */
@@ -293,8 +295,7 @@ static cns_code go(walk *w, cns_tc_result *r, unsigned long *row, cns_error *err
             ++*row;
             break;
         }
-        if (w->pair->progress)
-            w->pair->progress(w->pair->context, mpq_get_d(w->to) / end);
+        cns_monitor_tell(w->pair->monitor, mpq_get_d(w->to) / end, "the run under test and its reference");
         mpq_set(w->from, w->to);
     }
     return CNS_OK;
@@ -393,49 +394,49 @@ cns_code cns_tc_compare(const cns_tc_pair *pair, cns_tc_result *result, cns_erro
     return code;
 }
 
-cns_flow_spec cns_tc_flow(const cns_program *program, const double *scales, const cns_numerics *n,
-                          const volatile sig_atomic_t *stop)
+cns_flow_spec cns_tc_flow(const cns_system *s, const cns_numerics *n, const volatile sig_atomic_t *stop)
 {
-    cns_flow_spec spec = cns_flow_spec_given(program, scales, n, WORKING_DIGITS);
+    cns_flow_spec spec = cns_flow_spec_given(cns_system_program(s), cns_system_scales(s), n, WORKING_DIGITS);
     spec.round_digits = n->arithmetic == CNS_ARITH_DOUBLE ? 0 : n->digits;
     spec.stop = stop;
     return spec;
 }
 
-static cns_flow_spec reference_flow(const cns_program *program, const double *scales, long digits,
-                                    const volatile sig_atomic_t *stop)
+static cns_flow_spec reference_flow(const cns_system *s, long digits, const volatile sig_atomic_t *stop)
 {
-    cns_flow_spec spec = cns_flow_spec_taylor(program, scales, CNS_ARITH_FAST, digits);
+    cns_flow_spec spec =
+        cns_flow_spec_taylor(cns_system_program(s), cns_system_scales(s), CNS_ARITH_FAST, digits);
     spec.safety = CNS_FINE_SAFETY;
     spec.verify = true;
     spec.stop = stop;
     return spec;
 }
 
-cns_code cns_tc_measure(const cns_study *study, const cns_tc_request *q, cns_tc_result *result,
-                        cns_error *err)
+cns_code cns_tc_measure(const cns_problem *p, const cns_tc_spec *spec, cns_tc_result *result, cns_error *err)
 {
-    const bool automatic = q->reference_digits == 0;
-    const long own = q->numerics->arithmetic == CNS_ARITH_DOUBLE ? CNS_DOUBLE_DIGITS : q->numerics->digits;
-    const double end = cns_number_get_d(study->end);
-    long digits = automatic ? own + CNS_ANOTHER_LIMB : q->reference_digits;
-    cns_trajectory_spec test = {.flow = cns_tc_flow(q->program, study->scales, q->numerics, study->stop),
-                                .initial = study->initial,
-                                .outputs = q->outputs,
-                                .end = end};
+    const bool automatic = spec->reference_digits == 0, outputs = cns_wants_outputs(p);
+    const volatile sig_atomic_t *stop = cns_monitor_stop(p->monitor);
+    const long own =
+        spec->numerics->arithmetic == CNS_ARITH_DOUBLE ? CNS_DOUBLE_DIGITS : spec->numerics->digits;
+    const double end = cns_number_get_d(p->end);
+    long digits = automatic ? own + CNS_ANOTHER_LIMB : spec->reference_digits;
+    const cns_trajectory_spec test = {.flow = cns_tc_flow(p->system, spec->numerics, stop),
+                                      .initial = cns_system_initial(p->system),
+                                      .outputs = outputs,
+                                      .end = end};
     for (;;) {
-        cns_trajectory_spec reference = {.flow = reference_flow(q->truth, study->scales, digits, study->stop),
-                                         .initial = study->initial,
-                                         .outputs = q->outputs,
-                                         .end = end};
+        const cns_trajectory_spec reference = {
+            .flow = reference_flow(spec->truth != NULL ? spec->truth : p->system, digits, stop),
+            .initial = test.initial,
+            .outputs = outputs,
+            .end = end};
         const cns_tc_pair pair = {.test = &test,
                                   .reference = &reference,
-                                  .end = study->end,
-                                  .every = study->every,
-                                  .delta = q->delta,
-                                  .until = q->until,
-                                  .progress = q->progress,
-                                  .context = q->context};
+                                  .end = p->end,
+                                  .every = p->every,
+                                  .delta = spec->delta,
+                                  .until = spec->until,
+                                  .monitor = p->monitor};
         cns_code code = cns_tc_compare(&pair, result, err);
         result->reference_digits = digits;
         const long more = digits + 10 + digits / 4;

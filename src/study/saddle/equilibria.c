@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "core/memory.h"
+#include "core/monitor.h"
 #include "fixed_point.h"
 #include "num/decimal_text.h"
 #include "num/logs.h"
@@ -13,7 +14,8 @@ enum { GUARD_BITS = 64, TRIES = 4, MAX_SIZE_BITS = 1 << 20 };
 
 /* The fixed points that were found, in ball arithmetic. */
 typedef struct find {
-    const cns_study *s;
+    const cns_system *s;
+    const cns_monitor *monitor;
     cns_reduced reduced;
     cns_model_guess guess[CNS_MODEL_MAX_GUESSES];
     double start[CNS_MODEL_MAX_GUESSES][CNS_MODEL_MAX_STATES]; /* of the dynamic states */
@@ -22,11 +24,6 @@ typedef struct find {
     int n;
     char missing[512]; /* why some were not found */
 } find;
-
-static cns_code stopped(const cns_study *s, cns_error *err)
-{
-    return s->stop != NULL && *s->stop ? cns_fail(err, CNS_STOPPED, "stopped") : CNS_OK;
-}
 
 static void miss(find *f, int i, const cns_error *why)
 {
@@ -42,8 +39,9 @@ static cns_code locate(find *f, slong prec, cns_error *err)
     f->missing[0] = '\0';
     for (int i = 0; i < f->n && !code; i++) {
         cns_error why;
-        code = stopped(f->s, err);
-        cns_study_progress(f->s, (double)i / f->n, f->guess[i].name);
+        if (cns_monitor_stopped(f->monitor))
+            code = cns_fail(err, CNS_STOPPED, "stopped");
+        cns_monitor_tell(f->monitor, (double)i / f->n, f->guess[i].name);
         f->found[i] = !code && !cns_fixed_point_find(&f->reduced, f->start[i], prec, &f->point[i], &why);
         if (!code && !f->found[i])
             miss(f, i, &why);
@@ -176,22 +174,13 @@ static cns_code search(find *f, long decimals, cns_equilibria *e, cns_error *err
 
 static cns_code prepare(find *f, cns_error *err)
 {
-    const cns_model *m = f->s->model;
-    cns_program *p;
+    const cns_model *m = cns_system_model(f->s);
     if (m->equilibria == NULL || m->n_states > CNS_MODEL_MAX_STATES)
         return cns_fail(err, CNS_USAGE, "the model %s names no fixed points to start from", m->name);
-    cns_code code = cns_study_program(f->s, &p, err);
+    cns_code code = cns_reduced_open(&f->reduced, cns_system_program(f->s), err);
     if (code)
         return code;
-    code = cns_reduced_open(&f->reduced, p, err);
-    cns_program_free(p);
-    if (code)
-        return code;
-    double *parameter = cns_xalloc((size_t)m->n_parameters + 1, sizeof *parameter);
-    for (int i = 0; i < m->n_parameters; i++)
-        parameter[i] = cns_number_get_d(&f->s->parameters[i]);
-    f->n = m->equilibria(parameter, f->guess);
-    free(parameter);
+    f->n = cns_system_guesses(f->s, f->guess);
     for (int i = 0; i < f->n; i++) {
         cns_fixed_point_init(&f->point[i], f->reduced.d);
         for (int k = 0; k < f->reduced.d; k++)
@@ -202,10 +191,12 @@ static cns_code prepare(find *f, cns_error *err)
                : cns_fail(err, CNS_USAGE, "the model %s has no fixed points with these parameters", m->name);
 }
 
-cns_code cns_equilibria_find(const cns_study *s, long decimals, cns_equilibria **result, cns_error *err)
+cns_code cns_equilibria_find(const cns_system *s, long decimals, const cns_monitor *monitor,
+                             cns_equilibria **result, cns_error *err)
 {
     find *f = cns_xalloc(1, sizeof *f);
     f->s = s;
+    f->monitor = monitor;
     *result = NULL;
     cns_code code = prepare(f, err);
     if (!code) {

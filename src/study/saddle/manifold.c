@@ -6,6 +6,7 @@
 #include "branch.h"
 #include "cns/flow.h"
 #include "core/memory.h"
+#include "core/monitor.h"
 #include "manifold.h"
 #include "num/logs.h"
 #include "num/vector.h"
@@ -36,8 +37,9 @@ typedef struct image {
 } image;
 
 typedef struct probe {
-    const cns_study *s;
-    cns_study exact; /* the study without a smoothing that these digits cannot tell from none */
+    const cns_system *s;
+    cns_system *exact; /* the system without a smoothing that these digits cannot tell from none; else NULL */
+    const cns_monitor *monitor;
     cns_reduced reduced;
     cns_fixed_point saddle;
     cns_branch branch;
@@ -115,8 +117,8 @@ static void find_images(probe *p, int words)
     p->n_images = 1;
     for (int word = 0, from = 0; word < words; word++)
         for (const int to = p->n_images; from < to; from++)
-            for (int k = 0; k < 2 * p->s->model->n_symmetries; k++)
-                add_image(p, &p->images[from], &p->s->model->symmetries[k / 2], k % 2 != 0);
+            for (int k = 0; k < 2 * cns_system_model(p->s)->n_symmetries; k++)
+                add_image(p, &p->images[from], &cns_system_model(p->s)->symmetries[k / 2], k % 2 != 0);
 }
 
 /* Coordinates. */
@@ -296,7 +298,7 @@ static image *left_image(probe *p)
 }
 
 static cns_code follow(probe *p, const cns_passage_spec *spec, double horizon, cns_passage *result,
-                       void (*tell)(void *context, double fraction), void *context, cns_error *err)
+                       cns_error *err)
 {
     int passed = 0;
     for (;;) {
@@ -317,8 +319,7 @@ static cns_code follow(probe *p, const cns_passage_spec *spec, double horizon, c
             m->approached = false;
             horizon += t;
         }
-        if (tell != NULL)
-            tell(context, fmin(t / horizon, 1));
+        cns_monitor_tell(p->monitor, fmin(t / horizon, 1), "along the unstable manifold");
         for (int k = 0; k < p->n_images && t > horizon; k++)
             if (p->images[k].approached)
                 return too_near(spec->digits, err);
@@ -331,15 +332,11 @@ static cns_code follow(probe *p, const cns_passage_spec *spec, double horizon, c
 
 static cns_code find_saddle(probe *p, slong prec, cns_error *err)
 {
-    const cns_model *m = p->s->model;
+    const cns_model *m = cns_system_model(p->s);
     cns_model_guess guess[CNS_MODEL_MAX_GUESSES];
-    double *parameter = cns_xalloc((size_t)m->n_parameters + 1, sizeof *parameter);
     double start[CNS_MODEL_MAX_STATES];
     cns_error inner;
-    for (int i = 0; i < m->n_parameters; i++)
-        parameter[i] = cns_number_get_d(&p->s->parameters[i]);
-    const int n = m->equilibria(parameter, guess);
-    free(parameter);
+    const int n = cns_system_guesses(p->s, guess);
     for (int k = 0; k < n; k++) {
         if (strcmp(guess[k].name, m->connection->saddle) != 0)
             continue;
@@ -358,50 +355,46 @@ static cns_flow_spec numerics(const probe *p, long digits, int variant)
     cns_flow_spec spec = cns_flow_spec_taylor(p->reduced.field, p->scales, CNS_ARITH_FAST, digits);
     spec.safety = variant > 0 ? CNS_FINE_SAFETY : 0;
     spec.verify = true;
-    spec.stop = p->s->stop;
+    spec.stop = cns_monitor_stop(p->monitor);
     return spec;
 }
 
 /* Smoothing moves a connection by some eps^2: nothing, if eps < 2^-(2/3 prec + 16), and a series about a
  * saddle on the smoothed kink would reach no farther than eps. */
-static void leave_out_sharp_smoothing(probe *p)
+static cns_code leave_out_sharp_smoothing(probe *p, cns_error *err)
 {
     mpfr_t eps;
-    if (p->s->smooth == NULL)
-        return;
+    if (cns_system_smooth(p->s) == NULL)
+        return CNS_OK;
     mpfr_init2(eps, 53);
-    cns_number_get_mpfr(eps, p->s->smooth);
-    if (mpfr_get_exp(eps) < -(2 * p->prec / 3 + 16)) {
-        p->exact = *p->s;
-        p->exact.smooth = NULL;
-        p->s = &p->exact;
-    }
+    cns_number_get_mpfr(eps, cns_system_smooth(p->s));
+    const bool sharp = mpfr_get_exp(eps) < -(2 * p->prec / 3 + 16);
     mpfr_clear(eps);
+    if (!sharp)
+        return CNS_OK;
+    p->s = p->exact = cns_system_smoothed(p->s, NULL, err);
+    return p->exact != NULL ? CNS_OK : err->code;
 }
 
 static cns_code prepare(probe *p, const cns_passage_spec *spec, cns_error *err)
 {
-    const cns_model *m = p->s->model;
+    const cns_model *m = cns_system_model(p->s);
     const long digits = spec->digits + (spec->variant > 0 ? VARIANT_DIGITS : 0);
-    cns_program *program;
     cns_error inner;
     if (m->connection == NULL || m->equilibria == NULL)
         return cns_fail(err, CNS_USAGE, "the model %s names no saddle whose unstable manifold to follow",
                         m->name);
     p->prec = cns_digits_to_bits(digits);
-    leave_out_sharp_smoothing(p);
-    cns_code code = cns_study_program(p->s, &program, err);
-    if (code)
-        return code;
-    code = cns_reduced_open(&p->reduced, program, err);
-    cns_program_free(program);
+    cns_code code = leave_out_sharp_smoothing(p, err);
+    if (!code)
+        code = cns_reduced_open(&p->reduced, cns_system_program(p->s), err);
     if (code)
         return code;
     p->d = p->reduced.d;
     p->along = -1;
     p->scales = cns_xalloc((size_t)p->d, sizeof *p->scales);
     for (int i = 0; i < p->d; i++) {
-        p->scales[i] = p->s->scales[p->reduced.index[i]];
+        p->scales[i] = cns_system_scales(p->s)[p->reduced.index[i]];
         if (p->reduced.index[i] == m->connection->along)
             p->along = i;
     }
@@ -446,6 +439,7 @@ static void dispose(probe *p)
     free(p->im);
     free(p->scales);
     cns_reduced_close(&p->reduced);
+    cns_system_free(p->exact);
 }
 
 void cns_passage_init(cns_passage *p, mpfr_prec_t prec)
@@ -459,16 +453,16 @@ void cns_passage_clear(cns_passage *p)
     mpfr_clear(p->miss);
 }
 
-cns_code cns_manifold_passage(const cns_study *s, const cns_passage_spec *spec, cns_passage *result,
-                              void (*tell)(void *context, double fraction), void *context, cns_error *err)
+cns_code cns_manifold_passage(const cns_system *s, const cns_passage_spec *spec, const cns_monitor *monitor,
+                              cns_passage *result, cns_error *err)
 {
-    probe p = {.s = s};
+    probe p = {.s = s, .monitor = monitor};
     cns_code code = prepare(&p, spec, err);
     if (!code) {
         const double horizon =
             (SLOW_TIMES + 2.302585092994046 * (double)spec->digits) / mpfr_get_d(p.branch.lambda, MPFR_RNDN);
         result->loss = -cns_log2_mpfr(p.branch.s) * CNS_LOG10_2;
-        code = follow(&p, spec, horizon, result, tell, context, err);
+        code = follow(&p, spec, horizon, result, err);
     }
     dispose(&p);
     return code;

@@ -15,9 +15,8 @@
 
 #include <mpfr.h>
 
-#include "cns/status.h"
-#include "cns/study.h"
-#include "cns/study/bisect.h"
+#include "cns/monitor.h"
+#include "cns/system.h"
 
 /* Two variants differ in the precision, in the order and start of the expansion, in the order, tolerance and
  * safety of the steps: what they agree in does not depend on them. */
@@ -44,9 +43,9 @@ void cns_passage_init(cns_passage *p, mpfr_prec_t prec);
 void cns_passage_clear(cns_passage *p);
 
 /* CNS_USAGE: the model names no connection. CNS_NUMERIC: no such saddle, the manifold does not come near the
- * next one, or it comes so near that so many digits do not tell on which side it leaves. tell (may be NULL)
- * hears the time reached, in units of that which so many digits last. */
-cns_code cns_manifold_passage(const cns_study *s, const cns_passage_spec *spec, cns_passage *p,
-                              void (*tell)(void *context, double fraction), void *context, cns_error *err);
+ * next one, or it comes so near that so many digits do not tell on which side it leaves. The monitor hears of
+ * the time reached, in units of that which so many digits last. */
+cns_code cns_manifold_passage(const cns_system *s, const cns_passage_spec *spec, const cns_monitor *monitor,
+                              cns_passage *p, cns_error *err);
 
 #endif

@@ -1,0 +1,64 @@
+/* A system: the equations of a model with their numbers, which is what one can integrate and study.
+ *
+ * It holds a model, values for its parameters, initial states, the smoothing of absolute values if there is
+ * one, and the finished program of all that. It is read-only once it is made: threads may share it, and a
+ * system with another value is another system. */
+#ifndef CNS_SYSTEM_H
+#define CNS_SYSTEM_H
+
+#include "cns/model.h"
+#include "cns/number.h"
+#include "cns/program.h"
+#include "cns/status.h"
+
+CNS_BEGIN_DECLS
+
+typedef struct cns_system cns_system;
+
+/* parameters: model->n_parameters numbers; NULL: the model's defaults. initial: model->n_states numbers, the
+ * states at t = 0; NULL: zeros. smooth: eps > 0, so that sqrt(a^2 + eps^2) stands for every abs(a); NULL:
+ * true absolute values. Numbers are copied; the model is not, and outlives the system. NULL on failure:
+ * CNS_USAGE, a parameter below its minimum or without a value; CNS_NUMERIC, what the program says. */
+cns_system *cns_system_new(const cns_model *model, const cns_number *parameters, const cns_number *initial,
+                           const cns_number *smooth, cns_error *err);
+
+/* A parameter or a state of the model by its name, or "smooth", and its number as text (see number.h). */
+typedef struct cns_setting {
+    const char *name, *text;
+} cns_setting;
+
+/* The same by names. settings: a list that ends with {NULL, NULL}; what it leaves out is as above. NULL on
+ * failure, CNS_USAGE also for a name that the model does not have, for a text that is no number, and for
+ * model NULL, which is what cns_model_find() says of a name that it does not know. */
+cns_system *cns_system_parse(const cns_model *model, const cns_setting *settings, cns_error *err);
+
+/* The same system but for one parameter, or for the smoothing (eps NULL: true absolute values). */
+cns_system *cns_system_with(const cns_system *s, int parameter, const cns_number *value, cns_error *err);
+cns_system *cns_system_smoothed(const cns_system *s, const cns_number *eps, cns_error *err);
+
+void cns_system_free(cns_system *s); /* NULL: nothing */
+
+const cns_model *cns_system_model(const cns_system *s);
+const cns_program *cns_system_program(const cns_system *s);   /* finished */
+const cns_number *cns_system_parameters(const cns_system *s); /* model->n_parameters */
+const cns_number *cns_system_initial(const cns_system *s);    /* model->n_states */
+const cns_number *cns_system_smooth(const cns_system *s);     /* NULL: true absolute values */
+const double *cns_system_scales(const cns_system *s);         /* model->n_states: the model's typical sizes */
+
+/* The model's guesses for the fixed points of this system, at most CNS_MODEL_MAX_GUESSES; returns how many.
+ */
+int cns_system_guesses(const cns_system *s, cns_model_guess *guesses);
+
+/* A new text of all that results of this system depend on (version, parameters, initial states, smoothing,
+ * scales and the program itself), to tell whether results that were kept are those of this system. It begins
+ * with what is done with the system, formatted. varied: a parameter whose value is left out, because results
+ * are kept under its value; -1: none. NULL: out of memory. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 3, 4)))
+#endif
+char *
+cns_system_identity(const cns_system *s, int varied, const char *format, ...);
+
+CNS_END_DECLS
+
+#endif

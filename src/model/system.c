@@ -1,0 +1,247 @@
+#include "cns/system.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cns/version.h"
+#include "core/memory.h"
+#include "core/text.h"
+
+struct cns_system {
+    const cns_model *model;
+    cns_number *parameters, *initial;
+    bool is_smooth;
+    cns_number smooth;
+    double *scales;
+    cns_program *program;
+};
+
+/* A system without a program: all numbers 0. */
+static cns_system *blank(const cns_model *m)
+{
+    cns_system *s = cns_xalloc(1, sizeof *s);
+    *s = (cns_system){.model = m,
+                      .parameters = cns_xalloc((size_t)m->n_parameters + 1, sizeof *s->parameters),
+                      .initial = cns_xalloc((size_t)m->n_states + 1, sizeof *s->initial),
+                      .scales = cns_xalloc((size_t)m->n_states + 1, sizeof *s->scales)};
+    cns_number_init(&s->smooth);
+    for (int i = 0; i < m->n_parameters; i++)
+        cns_number_init(&s->parameters[i]);
+    for (int i = 0; i < m->n_states; i++) {
+        cns_number_init(&s->initial[i]);
+        s->scales[i] = m->states[i].scale;
+    }
+    return s;
+}
+
+void cns_system_free(cns_system *s)
+{
+    if (s == NULL)
+        return;
+    for (int i = 0; i < s->model->n_parameters; i++)
+        cns_number_clear(&s->parameters[i]);
+    for (int i = 0; i < s->model->n_states; i++)
+        cns_number_clear(&s->initial[i]);
+    cns_number_clear(&s->smooth);
+    cns_program_free(s->program);
+    free(s->parameters);
+    free(s->initial);
+    free(s->scales);
+    free(s);
+}
+
+static void set_smooth(cns_system *s, const cns_number *eps)
+{
+    s->is_smooth = eps != NULL;
+    if (eps != NULL)
+        cns_number_set(&s->smooth, eps);
+}
+
+static cns_code set_default(cns_system *s, int i, cns_error *err)
+{
+    const cns_model_parameter *p = &s->model->parameters[i];
+    if (p->standard == NULL)
+        return cns_fail(err, CNS_USAGE, "parameter '%s' of model %s has no default", p->name, s->model->name);
+    return cns_number_parse(&s->parameters[i], p->standard, err);
+}
+
+static cns_code check(const cns_system *s, cns_error *err)
+{
+    cns_code code = CNS_OK;
+    cns_number least;
+    cns_number_init(&least);
+    for (int i = 0; i < s->model->n_parameters && !code; i++) {
+        const cns_model_parameter *p = &s->model->parameters[i];
+        if (p->minimum == NULL)
+            continue;
+        code = cns_number_parse(&least, p->minimum, err);
+        if (!code && cns_number_cmp(&s->parameters[i], &least) <= 0)
+            code = cns_fail(err, CNS_USAGE, "parameter '%s' must be > %s for model %s, not '%s'", p->name,
+                            p->minimum, s->model->name, cns_quote(s->parameters[i].text).text);
+    }
+    cns_number_clear(&least);
+    if (!code && s->is_smooth && cns_number_sign(&s->smooth) <= 0)
+        code = cns_fail(err, CNS_USAGE, "a smoothing must be > 0, not '%s'", cns_quote(s->smooth.text).text);
+    return code;
+}
+
+/* The system with its program, or NULL when there is none, or when it has failed already. */
+static cns_system *built(cns_system *s, cns_code code, cns_error *err)
+{
+    const cns_program_options options = {.smooth = s->is_smooth ? &s->smooth : NULL};
+    if (!code)
+        code = check(s, err);
+    if (!code)
+        code = cns_model_program(s->model, s->parameters, &options, &s->program, err);
+    if (!code)
+        return s;
+    cns_system_free(s);
+    return NULL;
+}
+
+cns_system *cns_system_new(const cns_model *model, const cns_number *parameters, const cns_number *initial,
+                           const cns_number *smooth, cns_error *err)
+{
+    cns_system *s = blank(model);
+    cns_code code = CNS_OK;
+    for (int i = 0; i < model->n_parameters && !code; i++)
+        if (parameters != NULL)
+            cns_number_set(&s->parameters[i], &parameters[i]);
+        else
+            code = set_default(s, i, err);
+    for (int i = 0; i < model->n_states && initial != NULL; i++)
+        cns_number_set(&s->initial[i], &initial[i]);
+    set_smooth(s, smooth);
+    return built(s, code, err);
+}
+
+/* Where a setting of this name belongs. */
+static cns_number *named(cns_system *s, const char *name)
+{
+    for (int i = 0; i < s->model->n_parameters; i++)
+        if (strcmp(s->model->parameters[i].name, name) == 0)
+            return &s->parameters[i];
+    for (int i = 0; i < s->model->n_states; i++)
+        if (strcmp(s->model->states[i].name, name) == 0)
+            return &s->initial[i];
+    return strcmp(name, "smooth") == 0 ? &s->smooth : NULL;
+}
+
+static bool is_set(const cns_setting *settings, const char *name)
+{
+    for (; settings->name != NULL; settings++)
+        if (strcmp(settings->name, name) == 0)
+            return true;
+    return false;
+}
+
+cns_system *cns_system_parse(const cns_model *model, const cns_setting *settings, cns_error *err)
+{
+    if (model == NULL) {
+        cns_fail(err, CNS_USAGE, "no such model");
+        return NULL;
+    }
+    cns_system *s = blank(model);
+    cns_code code = CNS_OK;
+    for (int i = 0; i < model->n_parameters && !code; i++)
+        if (!is_set(settings, model->parameters[i].name))
+            code = set_default(s, i, err);
+    for (const cns_setting *at = settings; at->name != NULL && !code; at++) {
+        cns_number *value = named(s, at->name);
+        cns_error why;
+        if (value == NULL)
+            code = cns_fail(err, CNS_USAGE, "model %s has neither a parameter nor a state '%s'", model->name,
+                            cns_quote(at->name).text);
+        else if (cns_number_parse(value, at->text, &why))
+            code = cns_fail(err, CNS_USAGE, "'%s': %s", at->name, why.text);
+        s->is_smooth = s->is_smooth || value == &s->smooth;
+    }
+    return built(s, code, err);
+}
+
+cns_system *cns_system_with(const cns_system *s, int parameter, const cns_number *value, cns_error *err)
+{
+    cns_system *other = blank(s->model);
+    for (int i = 0; i < s->model->n_parameters; i++)
+        cns_number_set(&other->parameters[i], i == parameter ? value : &s->parameters[i]);
+    for (int i = 0; i < s->model->n_states; i++)
+        cns_number_set(&other->initial[i], &s->initial[i]);
+    set_smooth(other, cns_system_smooth(s));
+    return built(other, CNS_OK, err);
+}
+
+cns_system *cns_system_smoothed(const cns_system *s, const cns_number *eps, cns_error *err)
+{
+    return cns_system_new(s->model, s->parameters, s->initial, eps, err);
+}
+
+const cns_model *cns_system_model(const cns_system *s)
+{
+    return s->model;
+}
+
+const cns_program *cns_system_program(const cns_system *s)
+{
+    return s->program;
+}
+
+const cns_number *cns_system_parameters(const cns_system *s)
+{
+    return s->parameters;
+}
+
+const cns_number *cns_system_initial(const cns_system *s)
+{
+    return s->initial;
+}
+
+const cns_number *cns_system_smooth(const cns_system *s)
+{
+    return s->is_smooth ? &s->smooth : NULL;
+}
+
+const double *cns_system_scales(const cns_system *s)
+{
+    return s->scales;
+}
+
+int cns_system_guesses(const cns_system *s, cns_model_guess *guesses)
+{
+    const int n = s->model->n_parameters;
+    if (s->model->equilibria == NULL)
+        return 0;
+    double *parameters = cns_xalloc((size_t)n + 1, sizeof *parameters);
+    for (int i = 0; i < n; i++)
+        parameters[i] = cns_number_get_d(&s->parameters[i]);
+    const int found = s->model->equilibria(parameters, guesses);
+    free(parameters);
+    return found;
+}
+
+char *cns_system_identity(const cns_system *s, int varied, const char *format, ...)
+{
+    char *text = NULL;
+    size_t size = 0;
+    va_list arguments;
+    FILE *out = open_memstream(&text, &size);
+    if (out == NULL)
+        return NULL;
+    va_start(arguments, format);
+    vfprintf(out, format, arguments);
+    va_end(arguments);
+    fprintf(out, "\ncns %s, model %s\n", CNS_VERSION, s->model->name);
+    for (int i = 0; i < s->model->n_parameters; i++)
+        fprintf(out, "parameter %s: %s\n", s->model->parameters[i].name,
+                i == varied ? "varied" : s->parameters[i].text);
+    for (int i = 0; i < s->model->n_states; i++)
+        fprintf(out, "state %s: %s, scale %a\n", s->model->states[i].name, s->initial[i].text, s->scales[i]);
+    fprintf(out, "smooth: %s\n", s->is_smooth ? s->smooth.text : "no");
+    cns_program_print(s->program, out);
+    if (fclose(out) != 0) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}
