@@ -242,7 +242,7 @@ static void accumulate(world *x, int n, double *top, double *bound)
     int lo = n > 0 ? (int)pick(0, 1) : 0, hi = n - (n > lo ? (int)pick(0, 1) : 0), half = n >= 2 ? lo : 0;
     switch (pick(0, 3)) {
     case 0:;
-        long weight = one_in(4) ? pick(-2147483647L, 2147483647L) : pick(-3, 3);
+        int weight = (int)(one_in(4) ? pick(-2147483647L, 2147483647L) : pick(-3, 3));
         ALL(ops->coef(A, weight, U, n));
         mpfr_mul_si(x->p, x->u[n], weight, MPFR_RNDN);
         mpfr_add(x->s, x->s, x->p, MPFR_RNDN);
@@ -286,7 +286,7 @@ static int store_somehow(world *x, int n, double top, double *bound, const char 
         *bound = fmax(*bound, spread) + 1 + c;
         return n;
     case 1:;
-        long a = one_in(2) ? 1 : pick(-1000, 1000), b = pick(1, 2000);
+        const int a = one_in(2) ? 1 : (int)pick(-1000, 1000), b = (int)pick(1, 2000);
         *what = "store_ratio";
         ALL(ops->store_ratio(A, W, n, a, b));
         mpfr_mul_si(x->s, x->s, a, MPFR_RNDN);
@@ -898,8 +898,8 @@ static cns_program *all_operations(void)
     return finished(p);
 }
 
-/* Whole orders at once, by their notes and recipes, against every call as it comes: the same bits, with steps
- * so long that block exponents must be raised on the way. */
+/* Whole orders at once, by their trace, compiled or not, against every call as it comes: the same bits, with
+ * steps so long that block exponents must be raised on the way. */
 START_TEST(orders_at_once_change_nothing)
 {
     cns_arith_ops one_by_one = *ops;

@@ -33,31 +33,41 @@ typedef struct cns_arith_spec {
     mpfr_prec_t prec; /* working precision in bits; the double backend ignores it */
 } cns_arith_spec;
 
-/* A call of one of the primitives below, as noted by an expansion: its arguments in their order, and which of
- * them grow by one with every order. */
-enum { CNS_CALL_ARGUMENTS = 6 };
+/* Declarations from a row of primitives.def, CNS_INTS_n(a, b, ...) being n parameters after others and
+ * CNS_NAMES_n the same as arguments. */
+#define CNS_INTS_0()
+#define CNS_INTS_2(a, b)             , int a, int b
+#define CNS_INTS_3(a, b, c)          , int a, int b, int c
+#define CNS_INTS_4(a, b, c, d)       , int a, int b, int c, int d
+#define CNS_INTS_5(a, b, c, d, e)    , int a, int b, int c, int d, int e
+#define CNS_INTS_6(a, b, c, d, e, f) , int a, int b, int c, int d, int e, int f
+#define CNS_NAMES_0()
+#define CNS_NAMES_2(a, b)             , a, b
+#define CNS_NAMES_3(a, b, c)          , a, b, c
+#define CNS_NAMES_4(a, b, c, d)       , a, b, c, d
+#define CNS_NAMES_5(a, b, c, d, e)    , a, b, c, d, e
+#define CNS_NAMES_6(a, b, c, d, e, f) , a, b, c, d, e, f
+enum { CNS_MOST_ARGUMENTS = 6 };
+#define CNS_ARRAY(names) ((const int[CNS_MOST_ARGUMENTS + 1]){0 names} + 1) /* of CNS_NAMES_n(...) */
 
-typedef struct cns_call {
-    enum {
-        CNS_CALL_ZERO,
-        CNS_CALL_COEF,
-        CNS_CALL_SCALED,
-        CNS_CALL_CONV,
-        CNS_CALL_SQUARE,
-        CNS_CALL_STORE,
-        CNS_CALL_STORE_SCALED,
-        CNS_CALL_STORE_RATIO,
-        CNS_CALL_STORE_OVER,
-        CNS_CALL_STORE_NEXT
-    } kind;
-    int arg[CNS_CALL_ARGUMENTS];
-    bool grows[CNS_CALL_ARGUMENTS];
-} cns_call;
+typedef enum cns_primitive {
+#define PRIMITIVE(KIND, name, n, ...) CNS_PRIMITIVE_##KIND,
+#include "primitives.def"
+#undef PRIMITIVE
+} cns_primitive;
 
-typedef struct cns_calls {
-    const cns_call *call;
+/* The trace of an order: the calls of primitives that the recurrences make at it, each with its arguments and
+ * which of them grow by one from order to order. */
+typedef struct cns_trace_call {
+    cns_primitive primitive;
+    int arg[CNS_MOST_ARGUMENTS];
+    bool grows[CNS_MOST_ARGUMENTS];
+} cns_trace_call;
+
+typedef struct cns_trace {
+    const cns_trace_call *call;
     int n, order; /* the arguments are those of this order */
-} cns_calls;
+} cns_trace;
 
 typedef struct cns_arith_ops {
     const char *name;
@@ -99,27 +109,14 @@ typedef struct cns_arith_ops {
     /* a_k = m * 2^e with 0.5 <= |m| < 1, m rounded to double; m = 0 for zero. */
     double (*get_2exp)(const cns_arith *A, long *e, int a, int k);
 
-    /* The accumulator. */
-    void (*zero)(cns_arith *A);
-    void (*coef)(cns_arith *A, long weight, int a, int k);       /* += weight * a_k, |weight| < 2^31 */
-    void (*scaled)(cns_arith *A, int sign, int c, int a, int k); /* += sign * c_0 * a_k, c a constant */
-    void (*conv)(cns_arith *A, int sign, int a, int b, int n, int lo, int hi);
-    /* += sign * sum_{j=lo..hi} a_j b_{n-j} */
-    void (*square)(cns_arith *A, int sign, int a, int n, int lo);
-    /* += sign * sum_{j=lo..n-lo} a_j a_{n-j} */
+    /* The accumulator, into which a coefficient is summed, and from which it is stored. */
+#define PRIMITIVE(KIND, name, n, ...) void (*name)(cns_arith * A CNS_INTS_##n(__VA_ARGS__));
+#include "primitives.def"
+#undef PRIMITIVE
 
-    /* Rounding the accumulator into a series; the accumulator is undefined afterwards. */
-    void (*store)(cns_arith *A, int w, int k);                       /* w_k = acc */
-    void (*store_scaled)(cns_arith *A, int w, int k, int c);         /* w_k = c_0 * acc */
-    void (*store_ratio)(cns_arith *A, int w, int k, long p, long q); /* w_k = acc * p / q */
-    void (*store_over)(cns_arith *A, int w, int k, int d, int v, int twice);
-    /* w_k = acc / d_v, or acc / (2 d_v) */
-    void (*store_next)(cns_arith *A, int x, int k, int c);
-    /* x_{k+1} = c_0 * acc * H/(k+1); c = -1: no factor */
-
-    /* Orders from..to-1 in one go: the same results as those calls, order by order. False: the expansion was
-     * found to have failed. NULL: nothing is gained by it. */
-    bool (*orders)(cns_arith *A, const cns_calls *calls, int from, int to);
+    /* Orders from..to-1 by their trace: the same results as its calls, order by order. False: the expansion
+     * was found to have failed. NULL: nothing is gained by it. */
+    bool (*orders)(cns_arith *A, const cns_trace *trace, int from, int to);
 
     /* Order-0 functions; w2 and b as cns_function says, -1 where unused. */
     void (*function)(cns_arith *A, cns_function f, int w, int w2, int a, int b);

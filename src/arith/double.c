@@ -74,7 +74,7 @@ static void zero(cns_arith *A)
     A->acc = 0;
 }
 
-static void coef(cns_arith *A, long weight, int a, int k)
+static void coef(cns_arith *A, int weight, int a, int k)
 {
     A->acc += (double)weight * *at(A, a, k);
 }
@@ -116,7 +116,7 @@ static void store_scaled(cns_arith *A, int w, int k, int c)
     *at(A, w, k) = *at(A, c, 0) * A->acc;
 }
 
-static void store_ratio(cns_arith *A, int w, int k, long p, long q)
+static void store_ratio(cns_arith *A, int w, int k, int p, int q)
 {
     *at(A, w, k) = A->acc * (double)p / (double)q;
 }
@@ -132,10 +132,10 @@ static void store_next(cns_arith *A, int x, int k, int c)
     *at(A, x, k + 1) = f * A->H / (k + 1);
 }
 
-static bool orders(cns_arith *A, const cns_calls *calls, int from, int to)
+static bool orders(cns_arith *A, const cns_trace *trace, int from, int to)
 {
     for (int k = from; k < to; k++)
-        cns_make_calls(&cns_arith_double, A, calls, 0, k);
+        cns_trace_replay(&cns_arith_double, A, trace, 0, k);
     return true;
 }
 
@@ -184,11 +184,20 @@ static void function_libm(cns_arith *A, cns_function f, int w, int w2, int a, in
     }
 }
 
-#define PRIMITIVES                                                                                           \
+#define EVERYTHING_ELSE                                                                                      \
     .create = create, .destroy = destroy, .bytes = bytes, .begin = begin, .get = get, .set = set,            \
-    .get_2exp = get_2exp, .zero = zero, .coef = coef, .scaled = scaled, .conv = conv, .square = square,      \
-    .store = store, .store_scaled = store_scaled, .store_ratio = store_ratio, .store_over = store_over,      \
-    .store_next = store_next, .orders = orders
+    .get_2exp = get_2exp, .orders = orders
+#define PRIMITIVE(KIND, name, n, ...) .name = name,
 
-const cns_arith_ops cns_arith_double = {.name = "double", PRIMITIVES, .function = function};
-const cns_arith_ops cns_arith_libm = {.name = "double (C library)", PRIMITIVES, .function = function_libm};
+const cns_arith_ops cns_arith_double = {
+    .name = "double",
+    EVERYTHING_ELSE,
+    .function = function,
+#include "primitives.def"
+};
+const cns_arith_ops cns_arith_libm = {
+    .name = "double (C library)",
+    EVERYTHING_ELSE,
+    .function = function_libm,
+#include "primitives.def"
+};

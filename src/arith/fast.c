@@ -163,152 +163,94 @@ static double get_2exp(const cns_arith *A, long *e, int a, int k)
     return cns_fx_get_2exp(A->F, e, a, k);
 }
 
-static void zero(cns_arith *A)
+static void at_least(cns_arith *A, long level)
 {
-    A->now = LONG_MIN;
-    A->ops->zero(A->F);
+    A->now = most(A->now, level);
 }
 
-static void coef_level(cns_arith *A, long weight, int a)
+static long exponent(const cns_arith *A, int a)
 {
-    int bits = 0; /* of |weight|, less one */
-    for (long size = weight < 0 ? -weight : weight; size > 1; size >>= 1)
-        bits++;
-    A->now = most(A->now, A->F->series[a].exp + bits);
+    return A->F->series[a].exp;
 }
 
-static void coef(cns_arith *A, long weight, int a, int k)
+/* What a primitive, when it has been called, does to the levels; x are its arguments. */
+static inline void level_of(cns_arith *A, cns_primitive primitive, const int *x)
 {
-    coef_level(A, weight, a);
-    A->ops->coef(A->F, weight, a, k);
-}
-
-static void product_level(cns_arith *A, int a, int b, int more)
-{
-    A->now = most(A->now, A->F->series[a].exp + A->F->series[b].exp + more);
-}
-
-static void scaled(cns_arith *A, int sign, int c, int a, int k)
-{
-    product_level(A, a, c, 0);
-    A->ops->scaled(A->F, sign, c, a, k);
-}
-
-static void conv(cns_arith *A, int sign, int a, int b, int n, int lo, int hi)
-{
-    product_level(A, a, b, 2);
-    A->ops->conv(A->F, sign, a, b, n, lo, hi);
-}
-
-static void square(cns_arith *A, int sign, int a, int n, int lo)
-{
-    product_level(A, a, a, 2);
-    A->ops->square(A->F, sign, a, n, lo);
-}
-
-static void store(cns_arith *A, int w, int k)
-{
-    A->ops->store(A->F, w, k);
-    settle(A, w, 0);
-}
-
-static void scaled_level(cns_arith *A, int w, int c)
-{
-    settle(A, w, A->F->series[c].exp);
-}
-
-static void store_scaled(cns_arith *A, int w, int k, int c)
-{
-    A->ops->store_scaled(A->F, w, k, c);
-    scaled_level(A, w, c);
-}
-
-static void store_ratio(cns_arith *A, int w, int k, long p, long q)
-{
-    A->ops->store_ratio(A->F, w, k, p, q);
-    settle(A, w, 0);
-}
-
-static void over_level(cns_arith *A, int w, int d, int twice)
-{
-    settle(A, w, 1 - A->F->reciprocal[d].divisor_exp - twice);
-}
-
-static void store_over(cns_arith *A, int w, int k, int d, int v, int twice)
-{
-    A->ops->store_over(A->F, w, k, d, v, twice);
-    over_level(A, w, d, twice);
-}
-
-static void next_level(cns_arith *A, int x, int c)
-{
-    A->integrated[x] = true;
-    settle(A, x, A->step_bits + (c < 0 ? 0 : A->F->series[c].exp));
-}
-
-static void store_next(cns_arith *A, int x, int k, int c)
-{
-    A->ops->store_next(A->F, x, k, c);
-    next_level(A, x, c);
-}
-
-/* The levels that calls before `end` at order k leave: those of lower orders with the same exponents are none
- * higher. */
-static void call_levels(cns_arith *A, const cns_calls *calls, int end, int k)
-{
-    for (const cns_call *c = calls->call; c < calls->call + end; c++) {
-        const int *x = c->arg;
-        switch (c->kind) {
-        case CNS_CALL_ZERO:
-            A->now = LONG_MIN;
-            break;
-        case CNS_CALL_COEF:
-            coef_level(A, x[0] + (c->grows[0] ? k - calls->order : 0), x[1]);
-            break;
-        case CNS_CALL_SCALED:
-            product_level(A, x[2], x[1], 0);
-            break;
-        case CNS_CALL_CONV:
-            product_level(A, x[1], x[2], 2);
-            break;
-        case CNS_CALL_SQUARE:
-            product_level(A, x[1], x[1], 2);
-            break;
-        case CNS_CALL_STORE:
-        case CNS_CALL_STORE_RATIO:
-            settle(A, x[0], 0);
-            break;
-        case CNS_CALL_STORE_SCALED:
-            scaled_level(A, x[0], x[2]);
-            break;
-        case CNS_CALL_STORE_OVER:
-            over_level(A, x[0], x[2], x[4]);
-            break;
-        case CNS_CALL_STORE_NEXT:
-            next_level(A, x[0], x[2]);
-            break;
-        }
+    switch (primitive) {
+    case CNS_PRIMITIVE_ZERO:
+        A->now = LONG_MIN;
+        break;
+    case CNS_PRIMITIVE_COEF: {
+        int bits = 0; /* of |weight|, less one */
+        for (int size = x[0] < 0 ? -x[0] : x[0]; size > 1; size >>= 1)
+            bits++;
+        at_least(A, exponent(A, x[1]) + bits);
+        break;
+    }
+    case CNS_PRIMITIVE_SCALED:
+        at_least(A, exponent(A, x[1]) + exponent(A, x[2]));
+        break;
+    case CNS_PRIMITIVE_CONV:
+        at_least(A, exponent(A, x[1]) + exponent(A, x[2]) + 2);
+        break;
+    case CNS_PRIMITIVE_SQUARE:
+        at_least(A, 2 * exponent(A, x[1]) + 2);
+        break;
+    case CNS_PRIMITIVE_STORE:
+    case CNS_PRIMITIVE_STORE_RATIO:
+        settle(A, x[0], 0);
+        break;
+    case CNS_PRIMITIVE_STORE_SCALED:
+        settle(A, x[0], exponent(A, x[2]));
+        break;
+    case CNS_PRIMITIVE_STORE_OVER:
+        settle(A, x[0], 1 - A->F->reciprocal[x[2]].divisor_exp - x[4]);
+        break;
+    case CNS_PRIMITIVE_STORE_NEXT:
+        A->integrated[x[0]] = true;
+        settle(A, x[0], A->step_bits + (x[2] < 0 ? 0 : exponent(A, x[2])));
+        break;
     }
 }
 
-/* Orders of few rows go by a recipe for as long as the block exponents stay; the sum at which one must
- * change, and what remains of its order, by the calls themselves. */
-static bool orders(cns_arith *A, const cns_calls *calls, int from, int to)
+#define PRIMITIVE(KIND, name, n, ...)                                                                        \
+    static void name(cns_arith *A CNS_INTS_##n(__VA_ARGS__))                                                 \
+    {                                                                                                        \
+        A->ops->name(A->F CNS_NAMES_##n(__VA_ARGS__));                                                       \
+        level_of(A, CNS_PRIMITIVE_##KIND, CNS_ARRAY(CNS_NAMES_##n(__VA_ARGS__)));                            \
+    }
+#include "primitives.def"
+#undef PRIMITIVE
+
+/* The levels that the calls before `end` leave when they have been made at order k: those of lower orders
+ * with the same exponents are none higher. */
+static void levels_of(cns_arith *A, const cns_trace *trace, int end, int k)
+{
+    for (const cns_trace_call *c = trace->call; c < trace->call + end; c++) {
+        int x[CNS_MOST_ARGUMENTS];
+        cns_trace_arguments(trace, c, k, x);
+        level_of(A, c->primitive, x);
+    }
+}
+
+/* Orders of few rows go by a compiled order for as long as the block exponents stay; the sum at which one
+ * must change, and what remains of its order, by the calls themselves. */
+static bool orders(cns_arith *A, const cns_trace *trace, int from, int to)
 {
     fx *F = A->F;
     for (int k = from; k < to; k++) {
         int first = 0;
-        if (!F->singular && F->rows[k] <= FX_ONE_ROWS && cns_fx_work_out(F, calls, k)) {
+        if (!F->singular && F->rows[k] <= FX_ONE_ROWS && cns_fx_compile(F, trace, k)) {
             const int begun = k;
-            const fx_step *stuck = A->ops->run(F, &F->recipe, &k, to);
+            const fx_step *stuck = A->ops->run(F, &F->compiled, &k, to);
             if (k > begun)
-                call_levels(A, calls, calls->n, k - 1);
+                levels_of(A, trace, trace->n, k - 1);
             if (!stuck)
                 break;
             first = stuck->group;
-            call_levels(A, calls, first, k);
+            levels_of(A, trace, first, k);
         }
-        cns_make_calls(&cns_arith_fast, A, calls, first, k);
+        cns_trace_replay(&cns_arith_fast, A, trace, first, k);
         if (k % 8 == 7 && F->singular)
             return false;
     }
@@ -374,16 +316,9 @@ const cns_arith_ops cns_arith_fast = {
     .get = get,
     .set = set,
     .get_2exp = get_2exp,
-    .zero = zero,
-    .coef = coef,
-    .scaled = scaled,
-    .conv = conv,
-    .square = square,
-    .store = store,
-    .store_scaled = store_scaled,
-    .store_ratio = store_ratio,
-    .store_over = store_over,
-    .store_next = store_next,
     .orders = orders,
     .function = function,
+#define PRIMITIVE(KIND, name, n, ...) .name = name,
+#include "primitives.def"
+#undef PRIMITIVE
 };

@@ -109,7 +109,7 @@ static void add_term(cns_arith *A, int sign)
         mpfr_sub(A->acc, A->acc, A->term, MPFR_RNDN);
 }
 
-static void coef(cns_arith *A, long weight, int a, int k)
+static void coef(cns_arith *A, int weight, int a, int k)
 {
     if (weight == 1) {
         mpfr_add(A->acc, A->acc, at(A, a, k), MPFR_RNDN);
@@ -171,7 +171,7 @@ static void store_scaled(cns_arith *A, int w, int k, int c)
     mpfr_mul(at(A, w, k), A->acc, at(A, c, 0), MPFR_RNDN);
 }
 
-static void store_ratio(cns_arith *A, int w, int k, long p, long q)
+static void store_ratio(cns_arith *A, int w, int k, int p, int q)
 {
     mpfr_ptr x = at(A, w, k);
     if (p == 1) {
@@ -212,15 +212,8 @@ const cns_arith_ops cns_arith_mpfr = {
     .get = get,
     .set = set,
     .get_2exp = get_2exp,
-    .zero = zero,
-    .coef = coef,
-    .scaled = scaled,
-    .conv = conv,
-    .square = square,
-    .store = store,
-    .store_scaled = store_scaled,
-    .store_ratio = store_ratio,
-    .store_over = store_over,
-    .store_next = store_next,
     .function = function,
+#define PRIMITIVE(KIND, name, n, ...) .name = name,
+#include "primitives.def"
+#undef PRIMITIVE
 };

@@ -81,7 +81,7 @@ static int reg(const cns_stepper *s, int block, int i)
 }
 
 /* x_i(stage) = x_i + c f_i, into the states of the jet, and the slopes into their weighted sum. */
-static void advance(cns_stepper *s, int c, long weight)
+static void advance(cns_stepper *s, int c, int weight)
 {
     const cns_arith_ops *ops = cns_jet_ops(s->jet);
     cns_arith *A = cns_jet_arith(s->jet);
@@ -109,7 +109,7 @@ static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_e
 {
     static const struct {
         int c;
-        long weight; /* of this slope in the sum; 0 starts it */
+        int weight; /* of this slope in the sum; 0 starts it */
     } stage[4] = {{HALF_H, 0}, {HALF_H, 2}, {H, 2}, {SIXTH_H, 1}};
     const cns_arith_ops *ops = cns_jet_ops(s->jet);
     cns_arith *A = cns_jet_arith(s->jet);

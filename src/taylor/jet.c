@@ -94,11 +94,11 @@ cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err)
     J->state_known = calloc((size_t)p->n_states + 1, sizeof *J->state_known);
     J->val = calloc(n, sizeof *J->val);
     J->known = calloc(n, sizeof *J->known);
-    J->notes = cns_notes_new();
-    J->noted_for = calloc(3 * n + (size_t)p->n_states, sizeof *J->noted_for);
+    J->recorder = cns_recorder_new();
+    J->traced_for = calloc(3 * n + (size_t)p->n_states, sizeof *J->traced_for);
     if (!J->series || !J->plan || !J->state_series || !J->sign || !J->held || !J->vanishes ||
         !J->constant_zero || !J->at_zero || !J->state_vanishes || !J->state_known || !J->val || !J->known ||
-        !J->notes || !J->noted_for) {
+        !J->recorder || !J->traced_for) {
         cns_fail(err, CNS_NUMERIC, "out of memory");
         cns_jet_free(J);
         return NULL;
@@ -148,8 +148,8 @@ void cns_jet_free(cns_jet *J)
     free(J->state_known);
     free(J->val);
     free(J->known);
-    cns_notes_free(J->notes);
-    free(J->noted_for);
+    cns_recorder_free(J->recorder);
+    free(J->traced_for);
     free(J);
 }
 
@@ -228,13 +228,13 @@ static cns_code next_order(cns_jet *J, int k, cns_error *err)
     return code;
 }
 
-/* Are the notes of the orders still true? Keeps what they depend on. */
-static bool noted_still(cns_jet *J)
+/* Has nothing changed that the trace depends on? Keeps what there is now. */
+static bool trace_holds(cns_jet *J)
 {
     const size_t nodes = (size_t)J->p->n_nodes, states = (size_t)J->p->n_states;
     const void *const now[] = {J->sign, J->held, J->vanishes, J->state_vanishes};
     const size_t size[] = {nodes, nodes, nodes, states};
-    signed char *then = J->noted_for;
+    signed char *then = J->traced_for;
     bool same = true;
     for (int i = 0; i < 4; then += size[i++]) {
         same = same && !memcmp(then, now[i], size[i]);
@@ -243,30 +243,30 @@ static bool noted_still(cns_jet *J)
     return same;
 }
 
-/* Notes what orders k and k + 1 do, by the recurrences themselves. False: they look at values still, as the
- * sign of an abs() that is not decided. */
-static bool note_orders(cns_jet *J, int k)
+/* Records orders k and k + 1, by the recurrences themselves, as the trace. False: they look at values still,
+ * as of an abs() whose sign is not decided. */
+static bool trace_orders(cns_jet *J, int k)
 {
     cns_error ignored;
-    if (noted_still(J) && J->noted)
+    if (trace_holds(J) && J->traced)
         return true;
     cns_arith *const A = J->A;
     const cns_arith_ops *const ops = J->ops;
-    J->A = J->notes;
-    J->ops = &cns_arith_notes;
-    cns_notes_clear(J->notes);
-    J->noted = !next_order(J, k, &ignored) && !next_order(J, k + 1, &ignored) &&
-               cns_notes_agree(J->notes, k, &J->calls);
+    J->A = J->recorder;
+    J->ops = &cns_arith_recorder;
+    cns_recorder_clear(J->recorder);
+    J->traced = !next_order(J, k, &ignored) && !next_order(J, k + 1, &ignored) &&
+                cns_recorder_trace(J->recorder, k, &J->trace);
     J->A = A;
     J->ops = ops;
-    return J->noted;
+    return J->traced;
 }
 
 static cns_code expand_regular(cns_jet *J, int order, cns_error *err)
 {
     for (int k = 0; k < order; k++) {
-        if (J->ops->orders && k >= FIRST_REPEATED && note_orders(J, k)) {
-            if (!J->ops->orders(J->A, &J->calls, k, order))
+        if (J->ops->orders && k >= FIRST_REPEATED && trace_orders(J, k)) {
+            if (!J->ops->orders(J->A, &J->trace, k, order))
                 return cns_fail(err, CNS_NUMERIC, "the coefficients are out of range");
             break;
         }

@@ -31,11 +31,12 @@ struct cns_jet {
     bool sharp;       /* smoothed abs() is treated as exact */
     bool singular;    /* leading zeros are in play */
 
-    /* What every order from some low one on does, noted once and again when something below it changes. */
-    cns_arith *notes;
-    cns_calls calls;
-    bool noted;
-    signed char *noted_for; /* sign, held, vanishes and state_vanishes at that time */
+    /* The trace of every order from FIRST_REPEATED on; made anew when one of the arrays that decide it
+     * differs. */
+    cns_arith *recorder;
+    cns_trace trace;
+    bool traced;
+    signed char *traced_for; /* sign, held, vanishes and state_vanishes at that time */
 
     mpfr_t x, y, z; /* scratch, working precision */
 };

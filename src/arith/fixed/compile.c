@@ -10,7 +10,9 @@ enum { MOST_PARTS = 10 };
 
 typedef struct state {
     fx *F;
-    int group;
+    const cns_trace *trace;
+    int k;
+    int group;          /* the call that began the sum */
     bool empty, normal; /* the accumulator; exponents leave out what all numbers of order k share */
     int load;
     long exp;
@@ -21,16 +23,16 @@ typedef struct state {
 
 static bool append(fx *F, const fx_step *step)
 {
-    fx_recipe *R = &F->recipe;
-    if (R->n == R->capacity) {
-        const int capacity = 2 * R->capacity + 64;
-        fx_step *grown = realloc(R->step, (size_t)capacity * sizeof *grown);
+    fx_compiled *C = &F->compiled;
+    if (C->n == C->capacity) {
+        const int capacity = 2 * C->capacity + 64;
+        fx_step *grown = realloc(C->step, (size_t)capacity * sizeof *grown);
         if (grown == NULL)
             return false;
-        R->step = grown;
-        R->capacity = capacity;
+        C->step = grown;
+        C->capacity = capacity;
     }
-    R->step[R->n++] = *step;
+    C->step[C->n++] = *step;
     return true;
 }
 
@@ -97,13 +99,14 @@ static bool into_lanes(state *s, fx_step step, long exp, int parts)
     return true;
 }
 
-/* Does argument j say k + 0, or is it the same at every order? */
-static bool is_k(const cns_calls *calls, const cns_call *c, int j)
+/* Is argument j the order itself? */
+static bool is_k(const state *s, const cns_trace_call *c, int j)
 {
-    return c->grows[j] && c->arg[j] == calls->order;
+    return c->grows[j] && c->arg[j] == s->trace->order;
 }
 
-static bool fixed(const cns_call *c, int j)
+/* Is it the same at every order? */
+static bool fixed(const cns_trace_call *c, int j)
 {
     return !c->grows[j];
 }
@@ -113,12 +116,27 @@ static uint64_t flip(int sign)
     return sign < 0 ? ~UINT64_C(0) : 0;
 }
 
-static bool coef(state *s, const cns_calls *calls, const cns_call *c, int k)
+static const fx_const *constant(fx *F, int c)
+{
+    if (!F->constant[c].valid)
+        cns_fx_prepare_constant(F, c);
+    return &F->constant[c];
+}
+
+static bool zero(state *s, const cns_trace_call *c)
+{
+    s->group = (int)(c - s->trace->call);
+    s->empty = true;
+    s->products = s->parts = 0;
+    return true;
+}
+
+static bool coef(state *s, const cns_trace_call *c)
 {
     const int a = c->arg[1];
     const fx_series *x = &s->F->series[a];
     const bool sign = fixed(c, 0) && (c->arg[0] == 1 || c->arg[0] == -1);
-    if (!is_k(calls, c, 2) || !x->live || s->F->will_store[a] <= k)
+    if (!is_k(s, c, 2) || !x->live || s->F->will_store[a] <= s->k)
         return false;
     if (sign)
         return add(s, (fx_step){.kind = FX_DO_COEF, .flip = flip(c->arg[0]), .a = x}, x->exp + 1);
@@ -129,33 +147,31 @@ static bool coef(state *s, const cns_calls *calls, const cns_call *c, int k)
                (fx_step){.kind = FX_DO_COEF,
                          .weight = c->arg[0],
                          .weight_grows = c->grows[0],
-                         .order = calls->order,
+                         .order = s->trace->order,
                          .a = x},
                x->exp + 1);
 }
 
-static bool scaled(state *s, const cns_calls *calls, const cns_call *call, int k)
+static bool scaled(state *s, const cns_trace_call *call)
 {
     const int c = call->arg[1], a = call->arg[2];
     fx *F = s->F;
     const fx_series *x = &F->series[a];
-    if (!F->constant[c].valid)
-        cns_fx_prepare_constant(F, c);
-    const fx_const *m = &F->constant[c];
-    if (!is_k(calls, call, 3) || !x->live || F->will_store[a] <= k || m->sign == 0)
+    const fx_const *m = constant(F, c);
+    if (!is_k(s, call, 3) || !x->live || F->will_store[a] <= s->k || m->sign == 0)
         return false;
     return add(s, (fx_step){.kind = FX_DO_SCALED, .flip = flip(call->arg[0]), .a = x, .c = m},
                x->exp + 1 + m->exp);
 }
 
-static bool conv(state *s, const cns_calls *calls, const cns_call *c, int k)
+static bool conv(state *s, const cns_trace_call *c)
 {
     fx *F = s->F;
     int a = c->arg[1], b = c->arg[2], lo = c->arg[4], above = c->arg[3] - c->arg[5];
-    if (!is_k(calls, c, 3) || !fixed(c, 4) || !c->grows[5] || lo < 0 || above < 0 || k - above < lo)
+    if (!is_k(s, c, 3) || !fixed(c, 4) || !c->grows[5] || lo < 0 || above < 0 || s->k - above < lo)
         return false;
     const fx_series *x = &F->series[a], *y = &F->series[b];
-    if (!x->live || !y->live || F->will_store[a] <= k - above || F->will_store[b] <= k - lo)
+    if (!x->live || !y->live || F->will_store[a] <= s->k - above || F->will_store[b] <= s->k - lo)
         return false;
     const int forwards = FX_FWD | FX_SUMS, backwards = FX_REV | FX_SUMS;
     if (((x->parts & forwards) != forwards || (y->parts & backwards) != backwards) &&
@@ -172,12 +188,13 @@ static bool conv(state *s, const cns_calls *calls, const cns_call *c, int k)
         x->exp + y->exp + 1, 2);
 }
 
-static bool square(state *s, const cns_calls *calls, const cns_call *c, int k)
+static bool square(state *s, const cns_trace_call *c)
 {
     fx *F = s->F;
     const int a = c->arg[1], lo = c->arg[3], all = FX_FWD | FX_REV | FX_SUMS;
     const fx_series *x = &F->series[a];
-    if (!is_k(calls, c, 2) || !fixed(c, 3) || lo < 0 || lo > k - lo || !x->live || F->will_store[a] <= k - lo)
+    if (!is_k(s, c, 2) || !fixed(c, 3) || lo < 0 || lo > s->k - lo || !x->live ||
+        F->will_store[a] <= s->k - lo)
         return false;
     if ((x->parts & all) != all)
         cns_fx_want(F, a, all);
@@ -185,93 +202,108 @@ static bool square(state *s, const cns_calls *calls, const cns_call *c, int k)
                       1);
 }
 
-static bool store(state *s, const cns_calls *calls, const cns_call *c, int k)
+/* What every store begins with: the products that wait go to the accumulator, which is then complete. */
+static bool complete(state *s, const cns_trace_call *c, fx_step *step)
 {
-    fx *F = s->F;
-    const int w = c->arg[0];
-    if (!flush(s) || !is_k(calls, c, 1))
+    if (!flush(s) || !is_k(s, c, 1))
         return false;
-    fx_step step = {.kind = FX_DO_STORE,
-                    .group = s->group,
-                    .w = &F->series[w],
-                    .carry = !s->empty && !s->normal,
-                    .empty = s->empty};
-    switch (c->kind) {
-    case CNS_CALL_STORE_SCALED:
-        if (!F->constant[c->arg[2]].valid)
-            cns_fx_prepare_constant(F, c->arg[2]);
-        step.times = FX_TIMES_CONST;
-        step.c = &F->constant[c->arg[2]];
-        break;
-    case CNS_CALL_STORE_OVER:
-        if (!fixed(c, 3) || !F->reciprocal[c->arg[2]].valid || F->reciprocal[c->arg[2]].index != c->arg[3])
-            return false;
-        step.times = FX_TIMES_CONST;
-        step.c = &F->reciprocal[c->arg[2]];
-        s->exp -= c->arg[4] != 0;
-        break;
-    case CNS_CALL_STORE_RATIO:
-        if (c->arg[2] != 1 || !fixed(c, 2) || !is_k(calls, c, 3))
-            return false;
-        step.times = FX_TIMES_INVERSE;
-        break;
-    case CNS_CALL_STORE_NEXT: {
-        const int slot = c->arg[2] < 0 ? F->n_series : c->arg[2];
-        if (!F->step_const[slot].valid)
-            cns_fx_prepare_step(F, c->arg[2]);
-        step.times = FX_TIMES_NEXT;
-        step.c = &F->step_const[slot];
-        step.made = &F->next_const[slot];
-        step.next = 1;
-        break;
-    }
-    default:
-        break;
-    }
-    if (F->will_store[w] != k + step.next)
-        return false;
-    if (!step.empty && (!step.w->live || (step.c != NULL && step.c->sign == 0)))
-        return false;
-    F->will_store[w]++;
-    step.exp = s->exp - (step.w->exp + 1) + step.next * F->decay;
-    if (step.times == FX_TIMES_CONST)
-        step.exp += step.c->exp;
-    return append(F, &step);
+    *step = (fx_step){.kind = FX_DO_STORE,
+                      .group = s->group,
+                      .w = &s->F->series[c->arg[0]],
+                      .carry = !s->empty && !s->normal,
+                      .empty = s->empty};
+    return true;
 }
 
-bool cns_fx_work_out(fx *F, const cns_calls *calls, int k)
+/* And ends with. */
+static bool put(state *s, const cns_trace_call *c, fx_step *step)
 {
-    state s;
-    s.F = F;
-    F->recipe.n = 0;
+    fx *F = s->F;
+    int *will_store = &F->will_store[c->arg[0]];
+    if (*will_store != s->k + step->next)
+        return false;
+    if (!step->empty && (!step->w->live || (step->c != NULL && step->c->sign == 0)))
+        return false;
+    ++*will_store;
+    step->exp = s->exp - (step->w->exp + 1) + step->next * F->decay;
+    if (step->times == FX_TIMES_CONST)
+        step->exp += step->c->exp;
+    return append(F, step);
+}
+
+static bool store(state *s, const cns_trace_call *c)
+{
+    fx_step step;
+    return complete(s, c, &step) && put(s, c, &step);
+}
+
+static bool store_scaled(state *s, const cns_trace_call *c)
+{
+    fx_step step;
+    if (!complete(s, c, &step))
+        return false;
+    step.times = FX_TIMES_CONST;
+    step.c = constant(s->F, c->arg[2]);
+    return put(s, c, &step);
+}
+
+static bool store_over(state *s, const cns_trace_call *c)
+{
+    fx_step step;
+    const fx_const *reciprocal = &s->F->reciprocal[c->arg[2]];
+    if (!complete(s, c, &step) || !fixed(c, 3) || !reciprocal->valid || reciprocal->index != c->arg[3])
+        return false;
+    step.times = FX_TIMES_CONST;
+    step.c = reciprocal;
+    s->exp -= c->arg[4] != 0;
+    return put(s, c, &step);
+}
+
+static bool store_ratio(state *s, const cns_trace_call *c)
+{
+    fx_step step;
+    if (!complete(s, c, &step) || c->arg[2] != 1 || !fixed(c, 2) || !is_k(s, c, 3))
+        return false;
+    step.times = FX_TIMES_INVERSE;
+    return put(s, c, &step);
+}
+
+static bool store_next(state *s, const cns_trace_call *c)
+{
+    fx *F = s->F;
+    fx_step step;
+    if (!complete(s, c, &step))
+        return false;
+    const int slot = c->arg[2] < 0 ? F->n_series : c->arg[2];
+    if (!F->step_const[slot].valid)
+        cns_fx_prepare_step(F, c->arg[2]);
+    step.times = FX_TIMES_NEXT;
+    step.c = &F->step_const[slot];
+    step.made = &F->next_const[slot];
+    step.next = 1;
+    return put(s, c, &step);
+}
+
+static bool compile(state *s, const cns_trace_call *c)
+{
+    switch (c->primitive) {
+#define PRIMITIVE(KIND, name, n, ...)                                                                        \
+    case CNS_PRIMITIVE_##KIND:                                                                               \
+        return name(s, c);
+#include "arith/primitives.def"
+#undef PRIMITIVE
+    }
+    return false;
+}
+
+bool cns_fx_compile(fx *F, const cns_trace *trace, int k)
+{
+    state s = {.F = F, .trace = trace, .k = k};
+    F->compiled.n = 0;
     for (int a = 0; a < F->n_series; a++)
         F->will_store[a] = F->series[a].stored;
-    for (int i = 0; i < calls->n; i++) {
-        const cns_call *c = &calls->call[i];
-        bool good = true;
-        switch (c->kind) {
-        case CNS_CALL_ZERO:
-            s.group = i;
-            s.empty = true;
-            s.products = s.parts = 0;
-            break;
-        case CNS_CALL_COEF:
-            good = coef(&s, calls, c, k);
-            break;
-        case CNS_CALL_SCALED:
-            good = scaled(&s, calls, c, k);
-            break;
-        case CNS_CALL_CONV:
-            good = conv(&s, calls, c, k);
-            break;
-        case CNS_CALL_SQUARE:
-            good = square(&s, calls, c, k);
-            break;
-        default:
-            good = store(&s, calls, c, k);
-        }
-        if (!good)
+    for (const cns_trace_call *c = trace->call; c < trace->call + trace->n; c++)
+        if (!compile(&s, c))
             return false;
-    }
     return true;
 }

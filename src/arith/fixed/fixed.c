@@ -244,7 +244,7 @@ void cns_fx_destroy(fx *F)
     free(F->kept);
     free(F->has_kept);
     free(F->will_store);
-    free(F->recipe.step);
+    free(F->compiled.step);
     mpz_clears(F->z, F->z2, (mpz_ptr)NULL);
     mpfr_clears(F->f, F->f2, F->f3, F->g, F->g2, (mpfr_ptr)NULL);
     free(F);

@@ -110,29 +110,22 @@ typedef struct fx_step {
     long exp;       /* of the sum, and of c if it stays, less that of the coefficient */
 } fx_step;
 
-typedef struct fx_recipe {
+typedef struct fx_compiled {
     int n, capacity;
     fx_step *step;
-} fx_recipe;
+} fx_compiled;
 
 typedef struct fx_kernel {
     const char *name;
-    void (*zero)(fx *F);
-    void (*coef)(fx *F, long weight, int a, int k);
-    void (*scaled)(fx *F, int sign, int c, int a, int k);
-    void (*conv)(fx *F, int sign, int a, int b, int n, int lo, int hi);
-    void (*square)(fx *F, int sign, int a, int n, int lo);
-    void (*store)(fx *F, int w, int k);
-    void (*store_scaled)(fx *F, int w, int k, int c);
-    void (*store_ratio)(fx *F, int w, int k, long p, long q);
-    void (*store_over)(fx *F, int w, int k, int d, int v, int twice);
-    void (*store_next)(fx *F, int w, int k, int c);
+#define PRIMITIVE(KIND, name, n, ...) void (*name)(fx * F CNS_INTS_##n(__VA_ARGS__));
+#include "arith/primitives.def"
+#undef PRIMITIVE
     /* The accumulator is sum_{k <= n} A_k c^k, c a fraction in [0, 1) without an exponent; of a slope,
      * sum_{k <= n} k A_k c^(k-1) 2^-d, n <= FX_MAX_SLOPE. */
     void (*sum)(fx *F, int a, int n, const fx_const *c, bool slope);
-    /* Orders *k..to-1 by the recipe; rows[*k] <= FX_ONE_ROWS. Returns NULL, or the step at which order *k met
-     * a coefficient that wants another block exponent: the sum it belongs to is not stored. */
-    const fx_step *(*run)(fx *F, const fx_recipe *R, int *k, int to);
+    /* Orders *k..to-1 by the compiled order; rows[*k] <= FX_ONE_ROWS. Returns NULL, or the step at which
+     * order *k met a coefficient that wants another block exponent: the sum it belongs to is not stored. */
+    const fx_step *(*run)(fx *F, const fx_compiled *C, int *k, int to);
 } fx_kernel;
 
 struct fx {
@@ -165,8 +158,8 @@ struct fx {
     fx_const *reciprocal;    /* per series d: 1/d_v, the last v used */
     fx_const tau;            /* of a sum, times 2^-d */
 
-    fx_recipe recipe;
-    int *will_store; /* per series: orders stored at the place of a recipe that is worked out */
+    fx_compiled compiled;
+    int *will_store; /* while compiling, per series: orders stored when this place is reached */
 
     size_t bytes; /* allocated */
 
@@ -207,8 +200,9 @@ void cns_fx_prepare_constant(fx *F, int c); /* constant[c] */
 void cns_fx_prepare_step(fx *F, int c);     /* step_const[c] */
 const fx_const *cns_fx_reciprocal(fx *F, int d, int v);
 bool cns_fx_orient(fx *F, int a, int b); /* parts for a product a b; true: b is read forwards */
-/* The recipe of order k and those after it. False: these calls, or the series as they are, have none. */
-bool cns_fx_work_out(fx *F, const cns_calls *calls, int k);
+/* Compiles order k, as traced, into F->compiled, which serves the orders after it, too. False: these calls,
+ * or the series as they are, cannot be compiled. */
+bool cns_fx_compile(fx *F, const cns_trace *trace, int k);
 void cns_fx_ratio(fx *F, long p, long q); /* acc *= p / q, slowly */
 void cns_fx_shift(int64_t *out, const int64_t *t, int rows, int t_rows, long shift); /* t 2^shift, floor */
 

@@ -633,7 +633,8 @@ INLINE void k_floor_one(vector *x, long shift)
 
 #define FX_KERNEL_NAME "avx512ifma"
 #define FX_KERNEL      cns_fx_kernel_avx512ifma
-#include "fixed_core.h"
+#include "order_by_calls.h"
+#include "order_compiled.h"
 
 #if defined(__clang__)
 #pragma clang attribute pop

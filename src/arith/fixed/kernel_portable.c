@@ -258,4 +258,5 @@ static inline void k_floor_one(vector *x, long shift)
 
 #define FX_KERNEL_NAME "portable"
 #define FX_KERNEL      cns_fx_kernel_portable
-#include "fixed_core.h"
+#include "order_by_calls.h"
+#include "order_compiled.h"

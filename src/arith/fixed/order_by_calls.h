@@ -215,11 +215,11 @@ static void f_zero(fx *F)
     F->lanes_used = false;
 }
 
-static void add_weighted(fx *F, const int64_t *x, int rows, long exp, long weight)
+static void add_weighted(fx *F, const int64_t *x, int rows, long exp, int weight)
 {
     if (weight >= -128 && weight <= 128) {
         if (weight != 0)
-            add(F, x, rows, exp, (int)weight);
+            add(F, x, rows, exp, weight);
         return;
     }
     __int128 c = 0;
@@ -232,7 +232,7 @@ static void add_weighted(fx *F, const int64_t *x, int rows, long exp, long weigh
     add(F, F->tmp, rows, exp, 1);
 }
 
-static void f_coef(fx *F, long weight, int a, int k)
+static void f_coef(fx *F, int weight, int a, int k)
 {
     fx_series *s = &F->series[a];
     if (!s->live || k >= s->stored)
@@ -436,7 +436,7 @@ static void f_store_over(fx *F, int w, int k, int d, int v, int twice)
     put(F, w, k, nonzero);
 }
 
-static void f_store_ratio(fx *F, int w, int k, long p, long q)
+static void f_store_ratio(fx *F, int w, int k, int p, int q)
 {
     bool nonzero = finish(F);
     if (nonzero && p == 1 && q >= 1 && q <= F->order + 1)
@@ -530,253 +530,3 @@ static void f_sum(fx *F, int a, int n, const fx_const *c, bool slope)
     F->acc.normal = true;
     F->acc.exp = s->exp + 1 - (slope ? F->decay : 0);
 }
-
-/* Recipes: the same sums, each in one vector. Compiled once for every number of rows up to FX_ONE_ROWS. */
-
-#define FX_INLINE static inline __attribute__((always_inline))
-
-/* x 2^(-shift), as shift_down. */
-FX_INLINE void down_one(fx_u *x, const int rows, long shift)
-{
-    if (shift > (long)FX_BITS * rows) {
-        const long left = shift - (long)FX_BITS * rows;
-        const int64_t whole = (int64_t)(*x)[0];
-        *x = (fx_u){0};
-        (*x)[rows] = (uint64_t)(whole >> (left > 63 ? 63 : left));
-        return;
-    }
-    k_down_one(x, (int)(shift / FX_BITS), (int)(shift % FX_BITS));
-}
-
-FX_INLINE void add_one(fx_u *acc, fx_u *term, const fx_step *s, const int rows)
-{
-    if (__builtin_expect(s->down_x != 0, 0))
-        down_one(term, rows, s->down_x);
-    const fx_u x = ((*term << (uint64_t)s->up_x) ^ s->flip) - s->flip;
-    if (s->fresh) {
-        *acc = x;
-        return;
-    }
-    if (__builtin_expect(s->carry, 0))
-        k_carry_one(acc, rows);
-    if (__builtin_expect(s->down != 0, 0))
-        down_one(acc, rows, s->down);
-    *acc = (*acc << (uint64_t)s->up) + x;
-}
-
-/* The products of some lanes: corrections for the bias, terms, load. */
-typedef struct lanes_state {
-    fx_u corr;
-    long terms;
-    int load;
-} lanes_state;
-
-/* D_hi - D_(lo - 1), +-1 or +-2 times. */
-FX_INLINE void correct_one(const fx *F, lanes_state *l, const fx_series *s, int lo, int hi, int sign)
-{
-    fx_u d = CV(record_at(F, s, hi));
-    if (lo > 0)
-        d -= CV(record_at(F, s, lo - 1));
-    if (sign < 0)
-        l->corr -= d;
-    else
-        l->corr += d;
-}
-
-FX_INLINE void product_one(fx *F, fx_u *acc, lanes_state *l, const fx_step *s, int k, const int rows)
-{
-    fx_u x;
-    const int lo = s->lo;
-    if (s->open)
-        *l = (lanes_state){.corr = {0}};
-    if (s->kind == FX_DO_CONV) {
-        const int hi = k - s->above;
-        correct_one(F, l, s->a, lo, hi, s->sign);
-        correct_one(F, l, s->b, s->above, k - lo, s->sign);
-        l->terms += s->sign * (hi - lo + 1);
-        k_conv_one(F->lanes, &l->load, rows, s->a->fwd, s->b->rev + (F->order - k), F->stride, lo, hi,
-                   s->sign, s->open, s->close, &x);
-    } else {
-        correct_one(F, l, s->a, lo, k - lo, s->sign);
-        correct_one(F, l, s->a, lo, k - lo, s->sign);
-        l->terms += s->sign * (k - 2 * lo + 1);
-        k_square_one(F->lanes, &l->load, rows, s->a->fwd, s->a->rev + (F->order - k), F->stride, lo,
-                     (k - 1) >> 1, k % 2 == 0 ? k / 2 : -1, s->sign, s->open, s->close, &x);
-    }
-    if (!s->close)
-        return;
-    const fx_u count = {(uint64_t)(l->terms >> 1), ((uint64_t)l->terms & 1) * (uint64_t)FX_HALF};
-    x = x * 2 - (l->corr & CV(below_row(rows, 0))) + count;
-    k_carry_one(&x, rows + 1);
-    add_one(acc, &x, s, rows);
-}
-
-/* 1/(k + 1) of a factor's step, for an accumulator of so many rows. */
-FX_INLINE const fx_const *next_factor(fx *F, const fx_step *s, int k, const int rows)
-{
-    fx_const *next = s->made;
-    const fx_const *inverse = &F->inverse_order[k];
-    if (next->index == k && next->series == rows + 1)
-        return next;
-    if (s->c->used <= 1 && rows < FX_ONE_ROWS) { /* the same pairs, the other way about */
-        fx_u x;
-        k_mul_short_one(&x, (const fx_u *)inverse->limb, rows + 1, s->c);
-        k_carry_one(&x, rows + 2);
-        V(next->limb) = x;
-    } else {
-        k_mul(next->limb, s->c->limb, rows + 1, inverse);
-    }
-    next->sign = s->c->sign;
-    next->exp = s->c->exp + inverse->exp;
-    next->index = k;
-    next->used = rows + 2;
-    next->series = rows + 1;
-    return next;
-}
-
-/* x = floor(t 2^shift). False where that is large. */
-FX_INLINE bool shift_one(fx_u *x, const fx_u *t, long shift)
-{
-    const fx_u whole_first = ALL_LIMBS(~UINT64_C(0));
-    if (shift <= 0 && shift > -FX_BITS) {
-        k_before_one(x, t);
-        *x = (fx_u)((fx_v)*t >> -shift) + ((*x << (uint64_t)(FX_BITS + shift)) & (uint64_t)FX_MASK);
-    } else if (shift > 0) {
-        if (shift >= FX_BITS || (int64_t)(*t)[0] < -1024 || (int64_t)(*t)[0] >= 1024)
-            return false;
-        k_after_one(x, t);
-        *x = ((*t << (uint64_t)shift) & whole_first) + (*x >> (uint64_t)(FX_BITS - shift));
-    } else {
-        *x = *t;
-        k_floor_one(x, -shift);
-    }
-    return true;
-}
-
-/* The accumulator times what the store says becomes a coefficient. False: it wants another block exponent. */
-FX_INLINE bool store_one(fx *F, const fx_u *acc, const fx_step *step, int k, const int rows)
-{
-    fx_series *const s = step->w;
-    fx_u t = *acc, x = {0};
-    int64_t words[8] __attribute__((aligned(64)));
-    k += step->next;
-    int64_t *const record = record_at(F, s, k), *const value = record + F->value;
-    if (!step->empty) {
-        long shift = step->exp;
-        if (step->carry)
-            k_carry_one(&t, rows);
-        if (step->times == FX_TIMES_NOTHING) {
-            t &= CV(below_row(rows, 0));
-        } else {
-            const fx_const *c = step->c;
-            if (step->times != FX_TIMES_CONST) {
-                c = step->times == FX_TIMES_INVERSE ? &F->inverse_order[k - 1]
-                                                    : next_factor(F, step, k - 1, rows);
-                shift += c->exp;
-            }
-            V(words) = t;
-            k_mul_one(&t, words, rows, c);
-        }
-        if (!shift_one(&x, &t, shift))
-            return false;
-    }
-    V(value) = x;
-    V(words) = x;
-    const int64_t whole = words[0], first = words[1] + FX_HALF;
-    if (whole + (first >> FX_BITS) != 0)
-        return false;
-    const int64_t top = whole < 0 ? FX_MASK - words[1] : words[1];
-    s->peak = top > s->peak ? top : s->peak;
-
-    /* u = x + 1/2. A limb beyond the last that counts does no harm. */
-    const uint64_t first_limb = (uint64_t)(first & FX_MASK);
-    const size_t stride = F->stride;
-    if (s->parts & FX_FWD) {
-        uint64_t *fwd = s->fwd + k;
-        *fwd = first_limb;
-#pragma GCC unroll 8
-        for (int i = 2; i <= rows; i++)
-            *(fwd += stride) = (uint64_t)words[i];
-    }
-    if (s->parts & FX_REV) {
-        uint64_t *rev = s->rev + (F->order - k);
-        *rev = first_limb;
-#pragma GCC unroll 8
-        for (int i = 2; i <= rows; i++)
-            *(rev += stride) = (uint64_t)words[i];
-    }
-    s->stored = k + 1;
-    if (s->parts & FX_SUMS) {
-        const fx_u half = {0, (uint64_t)FX_HALF}, no_whole = ALL_LIMBS(0);
-        fx_u d = CV(record - F->record) + ((x + half) & no_whole);
-        if (k % 16 == 0 || F->rows[k] != F->rows[k + 1])
-            k_carry_one(&d, F->rows[k]);
-        V(record) = d;
-    }
-    return true;
-}
-
-/* Orders *from.. below `to` for as long as they have so many rows. */
-FX_INLINE const fx_step *run_rows(fx *F, const fx_recipe *R, int *from, int to, const int rows)
-{
-    const fx_step *const end = R->step + R->n;
-    int k = *from;
-    for (; k < to && F->rows[k] == rows; k++) {
-        fx_u acc = {0}, x;
-        lanes_state lanes = {.corr = {0}};
-        for (const fx_step *s = R->step; s < end; s++) {
-            switch (s->kind) {
-            case FX_DO_COEF:
-                x = CV(record_at(F, s->a, k) + F->value);
-                if (s->weight != 0) {
-                    x *= (uint64_t)(s->weight + (s->weight_grows ? k - s->order : 0));
-                    k_carry_one(&x, rows);
-                }
-                add_one(&acc, &x, s, rows);
-                break;
-            case FX_DO_SCALED:
-                k_mul_one(&x, record_at(F, s->a, k) + F->value, rows, s->c);
-                add_one(&acc, &x, s, rows);
-                break;
-            case FX_DO_CONV:
-            case FX_DO_SQUARE:
-                product_one(F, &acc, &lanes, s, k, rows);
-                break;
-            case FX_DO_STORE:
-                if (!store_one(F, &acc, s, k, rows)) {
-                    *from = k;
-                    return s;
-                }
-                break;
-            }
-        }
-    }
-    *from = k;
-    return NULL;
-}
-
-#define RUN(M)                                                                                               \
-    static const fx_step *run_##M(fx *F, const fx_recipe *R, int *from, int to)                              \
-    {                                                                                                        \
-        return run_rows(F, R, from, to, M);                                                                  \
-    }
-RUN(1)
-RUN(2)
-RUN(3)
-RUN(4)
-RUN(5)
-RUN(6)
-
-static const fx_step *f_run(fx *F, const fx_recipe *R, int *from, int to)
-{
-    static const fx_step *(*const run[FX_ONE_ROWS + 1])(fx *, const fx_recipe *, int *, int) = {
-        NULL, run_1, run_2, run_3, run_4, run_5, run_6};
-    const fx_step *stuck = NULL;
-    while (*from < to && stuck == NULL)
-        stuck = run[F->rows[*from]](F, R, from, to);
-    return stuck;
-}
-
-const fx_kernel FX_KERNEL = {FX_KERNEL_NAME, f_zero,  f_coef,         f_scaled,      f_conv,
-                             f_square,       f_store, f_store_scaled, f_store_ratio, f_store_over,
-                             f_store_next,   f_sum,   f_run};
