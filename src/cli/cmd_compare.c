@@ -3,12 +3,11 @@
 #include <string.h>
 
 #include "cns/study/compare.h"
+#include "cns/study/laws.h"
 #include "commands.h"
 #include "core/text.h"
 #include "io/read_table.h"
 #include "report.h"
-
-#define STANDARD_DELTA "0.01"
 
 typedef struct compare_context {
     bool verbose;
@@ -195,7 +194,7 @@ static int run(cns_context *cx)
     if (!strcmp(names[0], "-") && !strcmp(names[1], "-"))
         return cns_complain(CNS_USAGE, "only one of the two tables can be standard input");
     cns_number_init(&delta);
-    cns_number_parse(&delta, o->delta != NULL ? o->delta : STANDARD_DELTA, &err);
+    cns_number_parse(&delta, o->delta != NULL ? o->delta : CNS_STANDARD_DELTA, &err);
     cns_table_reader *a = cns_table_reader_open(names[0], &err);
     cns_table_reader *b = a ? cns_table_reader_open(names[1], &err) : NULL;
     int status = b ? compare(o, &delta, a, b) : cns_complain(err.code, "%s", err.text);

@@ -6,6 +6,7 @@
 
 #include "cns/number.h"
 #include "cns/study/equilibria.h"
+#include "cns/study/laws.h"
 #include "cns/study/tc.h"
 #include "commands.h"
 #include "core/memory.h"

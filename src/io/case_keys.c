@@ -94,7 +94,7 @@ const cns_key cns_keys[] = {
 
     {"laws", KEY_SECTION, AT(has_laws),
         .meaning = "of `cns laws` and `cns tc`: which runs, and when two part"},
-    {"laws.delta", KEY_NUMBER, AT(laws.delta), .above = "0", .standard = "0.01",
+    {"laws.delta", KEY_NUMBER, AT(laws.delta), .above = "0", .standard = CNS_STANDARD_DELTA,
         .meaning = "the difference at which a run has parted from the reference"},
     {"laws.observable", KEY_STATE, AT(laws.observable), {{"norm", CNS_OBSERVABLE_NORM}}, .standard = "norm",
         .meaning = "what differs: the distance of the dynamic states in the model's scales, or one state"},

@@ -30,6 +30,9 @@ typedef struct cns_decades {
 /* The Euclidean distance of the dynamic states, each divided by the model's scale. */
 #define CNS_OBSERVABLE_NORM (-1)
 
+/* The difference at which two runs have parted where nothing else is said: 1 %, as in the paper. */
+#define CNS_STANDARD_DELTA "0.01"
+
 typedef struct cns_laws_spec {
     cns_number delta; /* > 0 */
     int observable;   /* a state, or CNS_OBSERVABLE_NORM */
