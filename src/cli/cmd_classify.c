@@ -4,7 +4,6 @@
 
 #include "cns/study/classify.h"
 #include "cns/study/sweep.h"
-#include "cns/version.h"
 #include "commands.h"
 #include "core/memory.h"
 #include "core/text.h"

@@ -5,7 +5,6 @@
 #include "cns/study/compare.h"
 #include "cns/study/laws.h"
 #include "commands.h"
-#include "core/text.h"
 #include "io/read_table.h"
 #include "report.h"
 

@@ -1,11 +1,9 @@
 /* cns laws: T_c against digits, step and smoothing. */
 #include <math.h>
-#include <string.h>
 
 #include "cns/study/laws.h"
 #include "commands.h"
 #include "core/clock.h"
-#include "integrate/trajectory.h"
 #include "report.h"
 
 static const struct words {

@@ -2,7 +2,6 @@
 #include "cns/study/lyapunov.h"
 #include "commands.h"
 #include "core/clock.h"
-#include "integrate/trajectory.h"
 #include "io/provenance.h"
 #include "report.h"
 

@@ -2,7 +2,6 @@
 #include "cns/study/tc.h"
 #include "commands.h"
 #include "core/clock.h"
-#include "integrate/trajectory.h"
 #include "report.h"
 
 static const char *observable_name(const cns_model *m, int i)

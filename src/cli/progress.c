@@ -1,13 +1,10 @@
 #include "progress.h"
 
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "core/clock.h"
-#include "integrate/trajectory.h"
 
 static const double terminal_pause = 0.2, line_pause = 30; /* seconds */
 
