@@ -18,9 +18,10 @@ CNS_BEGIN_DECLS
 
 #define CNS_CASE_MAX_ROWS 10000000 /* end / every is at most that */
 
+/* What a case file says; src/io/case_keys.c lists the keys with their ranges. Without a section its fields
+ * hold the defaults. */
 typedef struct cns_case {
-    char
-        *name; /* of the file, "<stdin>" for standard input; fit for one line: what is no text is '?' in it */
+    char *name; /* of the file, "<stdin>" for standard input; control characters in it are '?' */
     char *text; /* its bytes, NUL-terminated; UTF-8 without control characters other than tab, CR, LF */
     size_t length;
     char sha256[65]; /* of text, without the overrides */

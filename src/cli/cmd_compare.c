@@ -172,7 +172,7 @@ static int compare(const cns_options *o, const cns_number *delta, cns_table_read
         cns_summary_shut(x.summary);
         if (!code)
             print_yaml(x.summary, &r, delta->text);
-        written = cns_summary_close(x.summary) != 0;
+        written = cns_summary_close(x.summary);
     } else if (!code) {
         print_lines(x.page.file, &r, delta->text);
     }

@@ -6,7 +6,7 @@
 #include "core/text.h"
 #include "report.h"
 
-enum { STANDARD_DECIMALS = 10, STANDARD_MAX_DIGITS = 5000, MOST_ROWS = 10000000 };
+enum { STANDARD_DECIMALS = 10 };
 
 /* --until: a time as in case files. */
 static int parse_until(const char *text, cns_number *until)
@@ -20,13 +20,10 @@ static int parse_until(const char *text, cns_number *until)
 
 static cns_goal goal_of(const cns_case *c, const cns_options *o)
 {
-    cns_goal goal = c->has_goal ? c->goal
-                                : (cns_goal){.places = CNS_PLACES_DECIMALS,
-                                             .count = STANDARD_DECIMALS,
-                                             .max_digits = STANDARD_MAX_DIGITS};
-    if (o->decimals > 0) {
+    cns_goal goal = c->goal;
+    if (o->decimals > 0 || !c->has_goal) {
         goal.places = CNS_PLACES_DECIMALS;
-        goal.count = o->decimals;
+        goal.count = o->decimals > 0 ? o->decimals : STANDARD_DECIMALS;
     }
     return goal;
 }
@@ -78,8 +75,8 @@ static int plan_to(cns_context *cx)
     long digits[CNS_PLAN_PARTS];
     cns_schedule schedule = {.digits = digits};
     cns_error err = {0};
-    if (end / cns_number_get_d(cx->problem.every) > MOST_ROWS)
-        return cns_complain(CNS_USAGE, "more than %d rows up to t = %g", MOST_ROWS, end);
+    if (end / cns_number_get_d(cx->problem.every) > CNS_CASE_MAX_ROWS)
+        return cns_complain(CNS_USAGE, "more than %d rows up to t = %g", CNS_CASE_MAX_ROWS, end);
     cns_code code = cns_plan(&cx->problem, &made.goal, &made.plan, &schedule, &err);
     cns_meter_clear(&cx->meter);
     if (!code && made.plan.followed < end)

@@ -75,7 +75,7 @@ static int show_summary(const cns_context *cx, const cns_view *view, const void 
         return status;
     cns_summary *s = cns_summary_open(page.file);
     view->yaml(s, cx, result);
-    bool written = cns_summary_close(s) != 0;
+    bool written = cns_summary_close(s);
     status = cns_page_write(&page, NULL);
     return status || written ? status : cns_complain(CNS_IO, "cannot write the summary");
 }

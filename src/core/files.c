@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "memory.h"
+#include "text.h"
 
 char *cns_file_text(const char *path)
 {
@@ -69,26 +70,44 @@ FILE *cns_file_create(const char *path, char **aside)
     return f;
 }
 
+int cns_file_finish(FILE *f, const char *path, char *aside, bool keep)
+{
+    bool good = keep && !ferror(f) && fflush(f) == 0 && (aside == NULL || fsync(fileno(f)) == 0);
+    int cause = errno;
+    if (fclose(f) != 0 && good) {
+        good = false;
+        cause = errno;
+    }
+    if (good && aside != NULL && rename(aside, path) != 0) {
+        good = false;
+        cause = errno;
+    }
+    if (!good && aside != NULL)
+        unlink(aside);
+    free(aside);
+    return good || !keep ? 0 : cause != 0 ? cause : EIO;
+}
+
+/* "cannot WHAT PATH: CAUSE" */
+static cns_code failed(const char *what, const char *path, int cause, cns_error *err)
+{
+    char *shown = cns_text_printable(path);
+    const cns_code code = cns_fail(err, CNS_IO, "cannot %s %.300s: %s", what, shown, strerror(cause));
+    free(shown);
+    return code;
+}
+
 cns_code cns_file_replace(const char *path, const char *text, cns_error *err)
 {
     char *aside;
+    errno = 0;
     FILE *out = cns_file_create(path, &aside);
     int cause = errno;
-    bool good = out != NULL;
-    if (good) {
-        errno = 0;
-        good = fputs(text, out) >= 0 && fflush(out) == 0 && (aside == NULL || fsync(fileno(out)) == 0);
-        cause = errno;
-        good = fclose(out) == 0 && good;
-        if (good && aside != NULL && rename(aside, path) != 0) {
-            cause = errno;
-            good = false;
-        }
-        if (!good && aside != NULL)
-            unlink(aside);
+    if (out != NULL) {
+        fputs(text, out);
+        cause = cns_file_finish(out, path, aside, true);
     }
-    free(aside);
-    return good ? CNS_OK : cns_fail(err, CNS_IO, "cannot write %.300s: %s", path, strerror(cause));
+    return cause == 0 ? CNS_OK : failed("write", path, cause, err);
 }
 
 cns_code cns_directory_make(const char *path, cns_error *err)
@@ -96,6 +115,5 @@ cns_code cns_directory_make(const char *path, cns_error *err)
     struct stat what;
     if (mkdir(path, 0777) == 0 || (errno == EEXIST && stat(path, &what) == 0 && S_ISDIR(what.st_mode)))
         return CNS_OK;
-    return cns_fail(err, CNS_IO, "cannot make the directory %.300s: %s", path,
-                    strerror(errno == EEXIST ? ENOTDIR : errno));
+    return failed("make the directory", path, errno == EEXIST ? ENOTDIR : errno, err);
 }

@@ -1,6 +1,7 @@
 #include "read_table.h"
 
 #include <errno.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,17 +16,28 @@ struct cns_table_reader {
     cns_rows rows;
     char *line; /* the line at hand, cut into values */
     size_t room;
-    long number;
+    long number;    /* of the line, from 1 */
     char separator; /* ' ': blanks and tabs, any number of them */
     int n, room_cells;
-    char **cell; /* of the line */
-    int *place;  /* the columns of the text where they begin, from 1 */
-    char **name; /* of the columns, rows.n */
-    char *model;
+    char **cell; /* n values of the line */
+    int *place;  /* n: at which character of the line each begins, from 1 */
+    char **name; /* rows.n: of the columns */
+    char *model; /* rows.model */
 };
 
-static cns_code wrong(const cns_table_reader *r, int place, const char *what, cns_error *err)
+/* "FILE:LINE:PLACE: " and what is wrong there. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 4, 5)))
+#endif
+static cns_code
+wrong(const cns_table_reader *r, int place, cns_error *err, const char *format, ...)
 {
+    char what[512];
+    va_list args;
+    va_start(args, format);
+    if (vsnprintf(what, sizeof what, format, args) < 0)
+        what[0] = '\0';
+    va_end(args);
     return cns_fail(err, CNS_USAGE, "%s:%ld:%d: %s", r->shown, r->number > 0 ? r->number : 1, place, what);
 }
 
@@ -44,20 +56,20 @@ static bool read_line(cns_table_reader *r, cns_code *code, cns_error *err)
     size_t n = (size_t)length;
     const char *zero = memchr(r->line, '\0', n);
     if (zero) {
-        *code = wrong(r, (int)(zero - r->line) + 1, "a zero byte: this is not a text", err);
+        *code = wrong(r, (int)(zero - r->line) + 1, err, "a zero byte: this is not a text");
         return false;
     }
     while (n > 0 && (r->line[n - 1] == '\n' || r->line[n - 1] == '\r'))
         r->line[--n] = '\0';
     if (r->number == 1 && !strncmp(r->line, "\xEF\xBB\xBF", 3)) /* a byte order mark */
-        memmove(r->line, r->line + 3, n - 2);
+        memmove(r->line, r->line + 3, n - 3 + 1);
     return true;
 }
 
 /* "# cns VERSION: ..." and "# | model: NAME" of our tables, "# model: NAME" of others. */
 static void read_comment(cns_table_reader *r)
 {
-    const char *at = r->line + 1;
+    const char *at = strchr(r->line, '#') + 1;
     at += strspn(at, " \t");
     if (r->number == 1 && !strncmp(at, "cns ", 4))
         r->rows.ours = true;
@@ -94,6 +106,7 @@ static bool read_content(cns_table_reader *r, cns_code *code, cns_error *err)
     return false;
 }
 
+/* One value: without blanks at its ends, and without the quotes around it. */
 static void add_cell(cns_table_reader *r, char *begin, char *end)
 {
     while (begin < end && (*begin == ' ' || *begin == '\t'))
@@ -128,15 +141,9 @@ static void cut(cns_table_reader *r)
         }
         return;
     }
-    for (;;) {
-        char *end = strchr(at, r->separator);
-        char *stop = end ? end : at + strlen(at);
-        const bool more = end != NULL;
-        add_cell(r, at, stop);
-        if (!more)
-            break;
-        at = end + 1;
-    }
+    for (char *end; (end = strchr(at, r->separator)) != NULL; at = end + 1)
+        add_cell(r, at, end);
+    add_cell(r, at, at + strlen(at));
 }
 
 static bool looks_like_number(const char *text)
@@ -150,7 +157,7 @@ static cns_code read_header(cns_table_reader *r, cns_error *err)
 {
     cns_code code;
     if (!read_content(r, &code, err))
-        return code ? code : wrong(r, 1, "no header line: this is not a table", err);
+        return code ? code : wrong(r, 1, err, "no header line: this is not a table");
     r->separator = strchr(r->line, ',')    ? ','
                    : strchr(r->line, ';')  ? ';'
                    : strchr(r->line, '\t') ? '\t'
@@ -164,11 +171,10 @@ static cns_code read_header(cns_table_reader *r, cns_error *err)
     for (int i = 0; i < r->n; i++) {
         r->name[i] = cns_text_printable(r->cell[i]);
         if (looks_like_number(r->cell[i]))
-            return wrong(r, r->place[i], "a number where the header should name the columns", err);
+            return wrong(r, r->place[i], err, "a number where the header should name the columns");
         for (int j = 0; j < i; j++)
             if (*r->name[i] && !strcmp(r->name[i], r->name[j]))
-                return cns_fail(err, CNS_USAGE, "%s:%ld:%d: a second column '%s'", r->shown, r->number,
-                                r->place[i], cns_quote(r->name[i]).text);
+                return wrong(r, r->place[i], err, "a second column '%s'", cns_quote(r->name[i]).text);
         if (r->rows.time < 0 && (!strcasecmp(r->name[i], "t") || !strcasecmp(r->name[i], "time")))
             r->rows.time = i;
     }
@@ -189,9 +195,9 @@ static cns_code next(void *context, bool *more, cns_error *err)
         r->n--;
     if (r->n == r->rows.n)
         return CNS_OK;
-    return cns_fail(err, CNS_USAGE, "%s:%ld:%d: %d value%s, but the header names %d column%s", r->shown,
-                    r->number, r->place[r->n > r->rows.n ? r->rows.n : r->n - 1], r->n, r->n == 1 ? "" : "s",
-                    r->rows.n, r->rows.n == 1 ? "" : "s");
+    return wrong(r, r->place[r->n > r->rows.n ? r->rows.n : r->n - 1], err,
+                 "%d value%s, but the header names %d column%s", r->n, r->n == 1 ? "" : "s", r->rows.n,
+                 r->rows.n == 1 ? "" : "s");
 }
 
 static const char *text(void *context, int column)
@@ -213,8 +219,8 @@ static const char *name(void *context, int column)
 static cns_code refuse(void *context, int column, const char *why, cns_error *err)
 {
     const cns_table_reader *r = context;
-    return cns_fail(err, CNS_USAGE, "%s:%ld:%d: '%s' in column '%s': %s", r->shown, r->number,
-                    r->place[column], cns_quote(r->cell[column]).text, cns_quote(r->name[column]).text, why);
+    return wrong(r, r->place[column], err, "'%s' in column '%s': %s", cns_quote(r->cell[column]).text,
+                 cns_quote(r->name[column]).text, why);
 }
 
 cns_table_reader *cns_table_reader_open(const char *path, cns_error *err)

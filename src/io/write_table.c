@@ -3,10 +3,10 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "core/files.h"
 #include "core/memory.h"
+#include "core/text.h"
 #include "provenance.h"
 
 struct cns_table {
@@ -18,28 +18,26 @@ struct cns_table {
 
 static cns_code failed(cns_table *t, int cause, cns_error *err)
 {
-    t->gone = !t->path && cause == EPIPE;
-    return cns_fail(err, t->gone ? CNS_STOPPED : CNS_IO, "cannot write %s: %s",
-                    t->path ? t->path : "to standard output", strerror(cause));
+    char *shown = t->path != NULL ? cns_text_printable(t->path) : cns_xcopy("to standard output");
+    t->gone = t->path == NULL && cause == EPIPE;
+    const cns_code code =
+        cns_fail(err, t->gone ? CNS_STOPPED : CNS_IO, "cannot write %s: %s", shown, strerror(cause));
+    free(shown);
+    return code;
 }
 
 cns_table *cns_table_open(const char *path, const cns_case *c, cns_error *err)
 {
     cns_table *t = cns_xalloc(1, sizeof *t);
     t->c = c;
-    t->file = stdout;
-    if (!path)
+    t->path = path != NULL ? cns_xcopy(path) : NULL;
+    t->file = path != NULL ? cns_file_create(path, &t->aside) : stdout;
+    if (t->file != NULL)
         return t;
-    t->path = cns_xcopy(path);
-    t->file = cns_file_create(path, &t->aside);
-    if (!t->file) {
-        failed(t, errno, err);
-        free(t->path);
-        free(t->aside);
-        free(t);
-        return NULL;
-    }
-    return t;
+    failed(t, errno, err);
+    free(t->path);
+    free(t);
+    return NULL;
 }
 
 static cns_code flush(cns_table *t, cns_error *err)
@@ -106,43 +104,26 @@ cns_code cns_table_row(cns_table *t, const cns_row *row, cns_error *err)
     return flush(t, err);
 }
 
-static void dispose(cns_table *t)
+/* Closes the file, which is kept only if `code` is no failure, and frees the table. */
+static cns_code end(cns_table *t, cns_code code, cns_error *err)
 {
+    const int cause = t->path != NULL ? cns_file_finish(t->file, t->path, t->aside, !code) : 0;
+    if (cause != 0)
+        code = failed(t, cause, err);
     free(t->path);
-    free(t->aside);
     free(t);
+    return code;
 }
 
 cns_code cns_table_close(cns_table *t, const char *reason, cns_error *err)
 {
-    cns_code code;
     cns_provenance_end(t->file, reason);
-    code = flush(t, err);
-    if (t->path) {
-        errno = 0;
-        if (!code && t->aside && fsync(fileno(t->file)) != 0)
-            code = failed(t, errno, err);
-        if (fclose(t->file) != 0 && !code)
-            code = failed(t, errno, err);
-        if (t->aside) {
-            if (!code && rename(t->aside, t->path) != 0)
-                code = failed(t, errno, err);
-            if (code)
-                unlink(t->aside);
-        }
-    }
-    dispose(t);
-    return code;
+    return end(t, flush(t, err), err);
 }
 
 void cns_table_abandon(cns_table *t)
 {
-    if (t->path) {
-        fclose(t->file);
-        if (t->aside)
-            unlink(t->aside);
-    }
-    dispose(t);
+    end(t, CNS_IO, NULL);
 }
 
 bool cns_table_reader_gone(const cns_table *t)
