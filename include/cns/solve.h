@@ -11,6 +11,8 @@
 #ifndef CNS_SOLVE_H
 #define CNS_SOLVE_H
 
+#include <stdio.h>
+
 #include "cns/events.h"
 #include "cns/flow.h"
 #include "cns/monitor.h"
@@ -29,7 +31,7 @@ typedef struct cns_column {
 typedef struct cns_goal {
     cns_places places;
     long count;      /* 1.. */
-    long max_digits; /* of the printed run */
+    long max_digits; /* of the printed run; 0: no limit */
     double max_time; /* seconds; 0: no limit */
 } cns_goal;
 
@@ -71,8 +73,9 @@ typedef struct cns_sink {
 /* A system and the rows wanted of its trajectory. All is borrowed. */
 typedef struct cns_problem {
     const cns_system *system;
-    const cns_number *end, *every; /* rows at multiples of every and at the end */
-    const cns_column *columns;
+    const cns_number *end,
+        *every;                /* rows at multiples of every and at the end; every NULL: at 0 and the end */
+    const cns_column *columns; /* NULL: the time and all states */
     int n_columns;
     const cns_monitor *monitor; /* more than one thread: the two runs of a proof side by side */
     const cns_sink *sink;       /* NULL: nobody wants to see rows */
@@ -93,6 +96,13 @@ typedef struct cns_result {
 cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *result, cns_error *err);
 cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *numerics, bool prove,
                             cns_result *result, cns_error *err);
+
+/* Time and states at t = 0, every, 2 every, ... and end, proven to so many decimals, as lines of
+ * comma-separated values after a line of names: the simplest use of cns_solve_goal(), rows being written to
+ * `out` as they are proven. Times are texts (see number.h), rational and > 0; every NULL: at 0 and the end.
+ */
+cns_code cns_solve_print(const cns_system *s, const char *end, const char *every, long decimals, FILE *out,
+                         cns_error *err);
 
 /* What a goal needs, from a preliminary run in double with tangents: see plan.c.
  * schedule->digits has room for CNS_PLAN_PARTS numbers: the digits of the coarser run by time,

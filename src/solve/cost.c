@@ -252,7 +252,7 @@ static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long d
 void cns_cost_predict(const cns_problem *p, const cns_flow_spec *fine, const cns_flow_spec *coarse,
                       const cns_tally *tally, cns_run_info *plan)
 {
-    const double rows = cns_number_get_d(p->end) / cns_number_get_d(p->every);
+    const double rows = cns_number_get_d(p->end) / cns_number_get_d(cns_every(p));
     double in_printed[CNS_PLAN_PARTS] = {0}, in_proof[CNS_PLAN_PARTS] = {0};
     double ignored, memory = PROGRAM_BYTES, sum = 0;
     double printed =

@@ -26,11 +26,11 @@ static double extra_places(const cns_problem *p, const cns_goal *goal, const cns
     double most = 0;
     if (goal->places == CNS_PLACES_DECIMALS)
         return 0;
-    for (int i = 0; i < p->n_columns; i++) {
-        const cns_column *c = &p->columns[i];
-        if (c->kind == CNS_COLUMN_TIME)
+    for (int i = 0; i < cns_columns(p); i++) {
+        const cns_column c = cns_column_at(p, i);
+        if (c.kind == CNS_COLUMN_TIME)
             continue;
-        mpfr_srcptr x = c->kind == CNS_COLUMN_STATE ? s->state[c->index] : s->output[c->index];
+        mpfr_srcptr x = c.kind == CNS_COLUMN_STATE ? s->state[c.index] : s->output[c.index];
         long e;
         if (!mpfr_regular_p(x))
             continue;
@@ -125,7 +125,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
     int windows = 0;
     needs by_origin = {0};
     cns_code code = CNS_OK;
-    for (unsigned long row = 0; !code && cns_row_time(p->every, p->end, row, time); row++) {
+    for (unsigned long row = 0; !code && cns_row_time(cns_every(p), p->end, row, time); row++) {
         code = cns_trajectory_at(t, time, &s, &failure);
         if (code)
             break;

@@ -6,6 +6,7 @@
 
 #include "core/monitor.h"
 #include "integrate/rows.h"
+#include "solve_internal.h"
 
 enum { RING = 16 };
 
@@ -30,7 +31,7 @@ static cns_code make(cns_ahead *a, cns_error *err)
 {
     mpq_t time;
     mpq_init(time);
-    cns_row_time(a->p->every, a->p->end, a->row, time);
+    cns_row_time(cns_every(a->p), a->p->end, a->row, time);
     cns_code code = cns_trajectory_at(a->t, time, &a->ring[a->made % RING], err);
     mpq_clear(time);
     a->row++;
@@ -47,7 +48,7 @@ static void *work(void *context)
     while (!a->code) {
         while (a->made - a->used >= RING - 1 && !a->halt)
             pthread_cond_wait(&a->changed, &a->lock);
-        if (a->halt || !cns_row_time(a->p->every, a->p->end, a->row, time))
+        if (a->halt || !cns_row_time(cns_every(a->p), a->p->end, a->row, time))
             break;
         pthread_mutex_unlock(&a->lock);
         cns_code code = make(a, &err);

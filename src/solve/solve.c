@@ -1,5 +1,6 @@
 #include "cns/solve.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,14 +39,6 @@ typedef struct walk {
     cns_bounded *value; /* scratch, of columns */
 } walk;
 
-bool cns_wants_outputs(const cns_problem *p)
-{
-    for (int i = 0; i < p->n_columns; i++)
-        if (p->columns[i].kind == CNS_COLUMN_OUTPUT)
-            return true;
-    return false;
-}
-
 /* Both runs to w->time; w->error becomes e. */
 static cns_code walk_to(walk *w, cns_error *err)
 {
@@ -69,26 +62,26 @@ static cns_code walk_to(walk *w, cns_error *err)
 
 static mpfr_srcptr value(const walk *w, int column)
 {
-    const cns_column *c = &w->p->columns[column];
-    return c->kind == CNS_COLUMN_STATE ? w->s.state[c->index] : w->s.output[c->index];
+    const cns_column c = cns_column_at(w->p, column);
+    return c.kind == CNS_COLUMN_STATE ? w->s.state[c.index] : w->s.output[c.index];
 }
 
 /* States at t = 0 are known exactly. Zero in both runs is an invariant line, and exact. */
 static bool is_exact(const walk *w, int column)
 {
-    const cns_column *c = &w->p->columns[column];
-    if (c->kind != CNS_COLUMN_STATE)
+    const cns_column c = cns_column_at(w->p, column);
+    if (c.kind != CNS_COLUMN_STATE)
         return false;
     return mpq_sgn(w->time) == 0 ||
-           (w->coarse && mpfr_zero_p(w->s.state[c->index]) && mpfr_zero_p(w->c->state[c->index]));
+           (w->coarse && mpfr_zero_p(w->s.state[c.index]) && mpfr_zero_p(w->c->state[c.index]));
 }
 
 /* The places, at most `most`, to which all values of the row are certain; -1: none. */
 static long proven_places(const walk *w, cns_places places, long most)
 {
     int n = 0;
-    for (int i = 0; i < w->p->n_columns; i++)
-        if (w->p->columns[i].kind != CNS_COLUMN_TIME && !is_exact(w, i))
+    for (int i = 0; i < cns_columns(w->p); i++)
+        if (cns_column_at(w->p, i).kind != CNS_COLUMN_TIME && !is_exact(w, i))
             w->value[n++] = (cns_bounded){value(w, i), w->error};
     return cns_proof_places(w->value, n, places, most);
 }
@@ -102,14 +95,14 @@ static void set_text(walk *w, int column, char *text)
 /* The texts of a row; count < 0: no proof, all digits of the arithmetic. */
 static void write_texts(walk *w, unsigned long row, cns_places places, long count)
 {
-    for (int i = 0; i < w->p->n_columns; i++) {
-        const cns_column *c = &w->p->columns[i];
-        if (c->kind == CNS_COLUMN_TIME) {
-            set_text(w, i, cns_row_time_text(w->p->every, w->p->end, row, count));
+    for (int i = 0; i < cns_columns(w->p); i++) {
+        const cns_column c = cns_column_at(w->p, i);
+        if (c.kind == CNS_COLUMN_TIME) {
+            set_text(w, i, cns_row_time_text(cns_every(w->p), w->p->end, row, count));
         } else if (count < 0) {
             set_text(w, i, cns_text_digits(value(w, i), w->digits));
-        } else if (c->kind == CNS_COLUMN_STATE && mpq_sgn(w->time) == 0) {
-            set_text(w, i, cns_text_number(&cns_system_initial(w->p->system)[c->index], places, count));
+        } else if (c.kind == CNS_COLUMN_STATE && mpq_sgn(w->time) == 0) {
+            set_text(w, i, cns_text_number(&cns_system_initial(w->p->system)[c.index], places, count));
         } else {
             set_text(w, i, cns_text_mpfr(value(w, i), places, count));
         }
@@ -122,8 +115,8 @@ static long as_decimals(const walk *w, cns_places places, long count)
     if (places == CNS_PLACES_DECIMALS || count < 0)
         return count;
     long least = -1;
-    for (int i = 0; i < w->p->n_columns; i++) {
-        if (w->p->columns[i].kind == CNS_COLUMN_TIME || !mpfr_regular_p(value(w, i)))
+    for (int i = 0; i < cns_columns(w->p); i++) {
+        if (cns_column_at(w->p, i).kind == CNS_COLUMN_TIME || !mpfr_regular_p(value(w, i)))
             continue;
         mpfr_t x;
         mpfr_init2(x, mpfr_get_prec(value(w, i)));
@@ -198,8 +191,8 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
                 .digits = runs->fine.arithmetic == CNS_ARITH_DOUBLE ? DOUBLE_PRINTED : runs->fine_digits};
     mpq_init(w->time);
     mpfr_init2(w->error, ERROR_BITS);
-    w->text = cns_xalloc((size_t)p->n_columns + 1, sizeof *w->text);
-    w->value = cns_xalloc((size_t)p->n_columns + 1, sizeof *w->value);
+    w->text = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->text);
+    w->value = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->value);
     cns_code code = describe(&result->run, runs, err);
     if (code)
         return code;
@@ -229,7 +222,7 @@ static void walk_close(walk *w, cns_result *result)
     cns_sample_clear(&w->s);
     mpq_clear(w->time);
     mpfr_clear(w->error);
-    for (int i = 0; i < w->p->n_columns; i++)
+    for (int i = 0; i < cns_columns(w->p); i++)
         free(w->text[i]);
     free(w->text);
     free(w->value);
@@ -248,7 +241,7 @@ static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_sc
     cns_proof_of_goal(&runs, p, result->run.digits, schedule);
     *shortage = 0;
     cns_code code = walk_open(&w, p, &runs, *row, deadline, result, err);
-    while (!code && cns_row_time(p->every, p->end, *row, w.time)) {
+    while (!code && cns_row_time(cns_every(p), p->end, *row, w.time)) {
         code = walk_to(&w, err);
         if (code)
             break;
@@ -288,10 +281,10 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
     *result = (cns_result){.decimals = -1, .reached = true};
     cns_code code = cns_plan(p, goal, &result->run, &schedule, err);
     while (!code) {
-        bool last = result->run.digits >= goal->max_digits || result->run.attempt > RAISES;
-        if (result->run.digits > goal->max_digits)
-            result->run.digits =
-                goal->max_digits > CNS_ANOTHER_LIMB + 4 ? goal->max_digits : CNS_ANOTHER_LIMB + 4;
+        const long most = goal->max_digits > 0 ? goal->max_digits : LONG_MAX;
+        bool last = result->run.digits >= most || result->run.attempt > RAISES;
+        if (result->run.digits > most)
+            result->run.digits = most > CNS_ANOTHER_LIMB + 4 ? most : CNS_ANOTHER_LIMB + 4;
         code = attempt(p, goal, &schedule, last, stuck >= 2, deadline, &row, &shortage, result, err);
         if (code == CNS_NUMERIC && !doubted && !last) {
             /* Digits lost in the problem itself can look like an error, or like a singularity: ask again with
@@ -328,7 +321,7 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
     *result = (cns_result){.decimals = -1, .run = {.attempt = 1}};
     cns_proof_of_numerics(&runs, p, n, prove);
     cns_code code = walk_open(&w, p, &runs, 0, 0, result, err);
-    for (unsigned long row = 0; !code && cns_row_time(p->every, p->end, row, w.time); row++) {
+    for (unsigned long row = 0; !code && cns_row_time(cns_every(p), p->end, row, w.time); row++) {
         long places = -1;
         code = walk_to(&w, err);
         if (code)

@@ -14,6 +14,7 @@
 #include "integrate/rows.h"
 #include "integrate/trajectory.h"
 #include "num/logs.h"
+#include "solve/solve_internal.h"
 #include "study/ensemble.h"
 #include "tc_internal.h"
 
@@ -100,13 +101,13 @@ static void on_progress(void *context, double fraction, const char *what)
 
 static void row_time(const laws *l, int row, mpq_t t)
 {
-    cns_row_time(l->problem->every, l->problem->end, (unsigned long)row, t);
+    cns_row_time(cns_every(l->problem), l->problem->end, (unsigned long)row, t);
 }
 
 /* The last row that the problem's end allows; laws compare at multiples of `every` only. */
 static int last_row(const laws *l)
 {
-    const long last = cns_last_multiple(l->problem->every, l->problem->end);
+    const long last = cns_last_multiple(cns_every(l->problem), l->problem->end);
     return last < INT_MAX ? (int)last : INT_MAX - 1;
 }
 
@@ -389,8 +390,8 @@ static cns_code refine(const laws *l, const cns_system *s, const mpfr_t *u1, con
         l->spec->observable == CNS_OBSERVABLE_NORM ? CNS_TC_NORM : CNS_TC_STATE(l->spec->observable);
     const cns_tc_pair pair = {.test = &test,
                               .reference = &truth,
-                              .end = l->problem->every,
-                              .every = l->problem->every,
+                              .end = cns_every(l->problem),
+                              .every = cns_every(l->problem),
                               .delta = &l->spec->delta,
                               .until = until};
     cns_tc_result r = {0};
@@ -823,7 +824,7 @@ cns_code cns_laws(const cns_problem *problem, const cns_laws_spec *spec, const c
               .spec = spec,
               .directory = directory,
               .n = cns_system_model(problem->system)->n_states,
-              .every = cns_number_get_d(problem->every),
+              .every = cns_number_get_d(cns_every(problem)),
               .end = cns_number_get_d(problem->end),
               .delta_log10 = log10_of(&spec->delta)};
     l.inner = (cns_monitor){.threads = cns_monitor_threads(problem->monitor),
@@ -840,7 +841,7 @@ cns_code cns_laws(const cns_problem *problem, const cns_laws_spec *spec, const c
     r->order = l.order;
     l.identity =
         cns_system_identity(l.system, -1, "laws, end %s, every %s, delta %s, observable %d",
-                            problem->end->text, problem->every->text, spec->delta.text, spec->observable);
+                            problem->end->text, cns_every(problem)->text, spec->delta.text, spec->observable);
     code = add_jobs(&l, err);
     char **results = cns_xalloc((size_t)l.jobs, sizeof *results);
     l.listed = cns_xalloc((size_t)l.jobs, sizeof *l.listed);

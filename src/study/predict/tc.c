@@ -433,7 +433,7 @@ cns_code cns_tc_measure(const cns_problem *p, const cns_tc_spec *spec, cns_tc_re
         const cns_tc_pair pair = {.test = &test,
                                   .reference = &reference,
                                   .end = p->end,
-                                  .every = p->every,
+                                  .every = cns_every(p),
                                   .delta = spec->delta,
                                   .until = spec->until,
                                   .monitor = p->monitor};
