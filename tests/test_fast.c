@@ -20,7 +20,7 @@ static const char *const kernels[KERNELS] = {"portable", "avx512ifma"};
 
 static bool has_kernel(const char *name)
 {
-    return cns_fx_kernel_choose(name) != NULL;
+    return cns_fast_has_kernel(name);
 }
 
 /* The same arithmetic once per kernel; calls go to all. */
@@ -46,13 +46,14 @@ static fx *inside(const cns_arith *A) /* the fixed point is an arithmetic's firs
 
 static void open_each(int order, mpfr_prec_t prec)
 {
-    cns_arith_spec spec = {SERIES, order, prec};
+    cns_arith_spec spec = {.series = SERIES, .order = order, .prec = prec};
     n_each = 0;
     for (int i = 0; i < KERNELS; i++) {
         cns_error err;
         if (!has_kernel(kernels[i]))
             continue;
-        each[n_each] = cns_fast_create(&spec, kernels[i], &err);
+        spec.kernel = kernels[i];
+        each[n_each] = cns_arith_fast.create(&spec, &err);
         ck_assert_msg(each[n_each] != NULL, "%s: %s", kernels[i], err.text);
         ck_assert_str_eq(cns_fast_kernel(each[n_each]), kernels[i]);
         n_each++;
@@ -711,15 +712,16 @@ END_TEST
 START_TEST(what_does_not_fit)
 {
     static const cns_arith_spec bad[] = {
-        {0, 5, 100}, {3, 0, 100}, {3, 5, 0}, {3, 5, 2000000}, {3, 2000000, 99}};
-    const cns_arith_spec good = {3, 5, 100};
+        {0, 5, 100, NULL}, {3, 0, 100, NULL}, {3, 5, 0, NULL}, {3, 5, 2000000, NULL}, {3, 2000000, 99, NULL}};
+    const cns_arith_spec unknown = {3, 5, 100, "sparc"};
     cns_error err;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        ck_assert_ptr_null(cns_fast_create(&bad[i], NULL, &err));
+        ck_assert_ptr_null(cns_arith_fast.create(&bad[i], &err));
         ck_assert_int_eq(err.code, CNS_NUMERIC);
     }
-    ck_assert_ptr_null(cns_fast_create(&good, "sparc", &err));
+    ck_assert_ptr_null(cns_arith_fast.create(&unknown, &err));
     ck_assert_int_eq(err.code, CNS_USAGE);
+    ck_assert_int_eq(cns_fast_choose_kernel("sparc", &err), CNS_USAGE);
 }
 END_TEST
 
@@ -906,8 +908,8 @@ START_TEST(orders_at_once_change_nothing)
     one_by_one.orders = NULL;
     stream = test_seed() + 31u * (uint64_t)_i;
     round_seed = stream;
-    setenv("CNS_KERNEL", kernels[_i % KERNELS], 1);
-    if (!has_kernel(kernels[_i % KERNELS]))
+    cns_error no_kernel;
+    if (cns_fast_choose_kernel(kernels[_i % KERNELS], &no_kernel))
         return;
     long raised = 0, compared = 0;
     for (int arcs = 0; arcs < 30; arcs++) {
@@ -1194,6 +1196,20 @@ START_TEST(orders_1_to_400)
 }
 END_TEST
 
+/* An error, not a reason to take another arithmetic. */
+START_TEST(no_flow_without_its_kernel)
+{
+    cns_error err;
+    cns_program *p = random_program("lorenz", NULL);
+    cns_flow_spec spec = taylor_spec(p, 30);
+    spec.arithmetic = CNS_ARITH_FAST;
+    spec.kernel = "sparc";
+    ck_assert_ptr_null(cns_flow_new(&spec, &err));
+    ck_assert_int_eq(err.code, CNS_USAGE);
+    cns_program_free(p);
+}
+END_TEST
+
 /* The same steps, the same bits, whatever the kernel. */
 START_TEST(kernels_give_the_same_flows)
 {
@@ -1214,7 +1230,7 @@ START_TEST(kernels_give_the_same_flows)
     random_states(p, text, texts, one_in(2));
     cns_flow *f[KERNELS];
     for (int i = 0; i < KERNELS; i++) {
-        setenv("CNS_KERNEL", kernels[i], 1);
+        spec.kernel = kernels[i];
         f[i] = start_flow(&spec, CNS_ARITH_FAST, texts);
     }
     for (int s = 0; s < 60 && mpfr_cmp_ui(cns_flow_end(f[0]), 4) < 0; s++) {
@@ -1262,6 +1278,7 @@ Suite *suite_fast(void)
     tcase_add_test(t, the_reference);
     tcase_add_test(t, digits_pay_one_for_one);
     tcase_add_test(t, orders_1_to_400);
+    tcase_add_test(t, no_flow_without_its_kernel);
     tcase_add_loop_test(t, kernels_give_the_same_flows, 0, 20);
     suite_add_tcase(s, t);
     return s;

@@ -157,8 +157,7 @@ int main(int argc, char **argv)
     const double most = argc > 1 ? atof(argv[1]) : 10000;
     static const int some[] = {2,  4,  8,   12,  16,  20,  24,  32,  40,  48,  56,  64,
                                80, 96, 128, 160, 192, 256, 320, 400, 512, 640, 800, 960};
-    const fx_kernel *kernels[KERNELS] = {cns_fx_kernel_choose("portable"),
-                                         cns_fx_kernel_choose("avx512ifma")};
+    const fx_kernel *kernels[KERNELS] = {cns_fx_kernel_find("portable"), cns_fx_kernel_find("avx512ifma")};
     curve lanes[KERNELS] = {{0}}, gmp = {0};
     gmp_randinit_default(random_state);
     printf("nanoseconds for one term of a convolution\n%6s %7s %12s %12s %12s\n", "limbs", "digits",
@@ -203,7 +202,7 @@ int main(int argc, char **argv)
         const mpfr_prec_t prec = cns_digits_to_bits(digits[i]);
         const int order = cns_order_for(-(double)digits[i] * 3.3219280948873623, CNS_ARITH_FAST);
         fx *F =
-            cns_fx_create(1, order, prec, cns_fx_kernel_choose("portable")); /* for the limbs of each order */
+            cns_fx_create(1, order, prec, cns_fx_kernel_find("portable")); /* for the limbs of each order */
         if (!F)
             die("out of memory");
         printf("%7ld %7d", digits[i], order);

@@ -129,8 +129,7 @@ static double products(const cns_system *p, int order, long digits)
     ops.orders = NULL; /* which would call its own */
     cns_jet_spec spec = {.program = cns_system_program(p), .ops = &ops, .order = order, .prec = 53};
     cns_jet *J = cns_jet_new(&spec, &err);
-    fx *F =
-        cns_fx_create(1, order, cns_digits_to_bits(digits) + GUARD_BITS, cns_fx_kernel_choose("portable"));
+    fx *F = cns_fx_create(1, order, cns_digits_to_bits(digits) + GUARD_BITS, cns_fx_kernel_find("portable"));
     if (!J || !F)
         die("out of memory");
     mpfr_t x;

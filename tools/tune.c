@@ -278,16 +278,15 @@ static void decay_row(long digits)
 static void tune_decay(long only)
 {
     static const long digits[] = {60, 120, 300};
-    const char *kernel;
     cns_error err;
-    if (cns_fast_kernel_name(&kernel, &err))
+    if (cns_fast_choose_kernel(getenv("CNS_KERNEL"), &err))
         die(err.text);
     printf(
         "\nOne expansion of the disk at t = 0 over its step H, kernel %s, beside bits per order, decay and "
         "guard bits as committed (3.05, 3, 40);\nnoise: log2 of its bound over the tolerance, the most on "
         "the way to t = 7.5; %d is allowed\n%6s %6s %6s %6s %6s %10s %7s %8s\n",
-        kernel, NOISE_ALLOWED - STATE_GUARD, "digits", "bits", "decay", "guard", "order", "s / unit", "ratio",
-        "noise");
+        cns_fast_kernel_name(), NOISE_ALLOWED - STATE_GUARD, "digits", "bits", "decay", "guard", "order",
+        "s / unit", "ratio", "noise");
     for (size_t d = 0; d < sizeof digits / sizeof *digits; d++)
         if (!only || digits[d] == only)
             decay_row(digits[d]);

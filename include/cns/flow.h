@@ -50,6 +50,8 @@ typedef struct cns_flow_spec {
     const double *scales;       /* per state, > 0, typical sizes: what tolerances and noise are relative to */
     cns_method method;
     cns_arithmetic arithmetic;
+    const char *kernel;           /* fast: "portable" or "avx512ifma", with the same bits; NULL: the best
+                                     that this machine has, or as chosen for the process */
     bool portable;                /* double: correctly rounded functions, the same bits on every machine */
     mpfr_prec_t prec;             /* bits; ignored (53) for double */
     int order;                    /* of the Taylor series, >= 1 */

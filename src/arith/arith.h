@@ -28,9 +28,10 @@ typedef enum cns_function { /* of order-0 coefficients; correctly rounded unless
 } cns_function;
 
 typedef struct cns_arith_spec {
-    int series;       /* how many */
-    int order;        /* highest coefficient that can be held */
-    mpfr_prec_t prec; /* working precision in bits; the double backend ignores it */
+    int series;         /* how many */
+    int order;          /* highest coefficient that can be held */
+    mpfr_prec_t prec;   /* working precision in bits; the double backend ignores it */
+    const char *kernel; /* of the fast arithmetic (fast.h); NULL: as chosen for the process */
 } cns_arith_spec;
 
 /* Declarations from a row of primitives.def, CNS_INTS_n(a, b, ...) being n parameters after others and
@@ -122,14 +123,14 @@ typedef struct cns_arith_ops {
     void (*function)(cns_arith *A, cns_function f, int w, int w2, int a, int b);
 } cns_arith_ops;
 
-extern const cns_arith_ops cns_arith_fast;   /* block fixed point; kernel by CNS_KERNEL */
+extern const cns_arith_ops cns_arith_fast;   /* block fixed point (fast.h) */
 extern const cns_arith_ops cns_arith_mpfr;   /* every operation correctly rounded; the reference */
 extern const cns_arith_ops cns_arith_double; /* IEEE double; functions correctly rounded through MPFR */
 extern const cns_arith_ops cns_arith_libm;   /* the same with the C library's functions: not the same
                                                 bits on every machine */
 
-/* The kernel that the fast arithmetic uses: "avx512ifma" or "portable", as CNS_KERNEL says. CNS_USAGE when it
- * names none, or one that this machine does not have. */
-cns_code cns_fast_kernel_name(const char **name, cns_error *err);
+/* A cns_function, correctly rounded: w = f(a) or f(a, b), and w2 = cos a; w2 and b are looked at only where
+ * the function has them. w and w2 may be a or b. */
+void cns_function_mpfr(cns_function f, mpfr_ptr w, mpfr_ptr w2, mpfr_srcptr a, mpfr_srcptr b);
 
 #endif

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "functions.h"
 #include "trace.h"
 
 struct cns_arith {

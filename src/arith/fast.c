@@ -2,10 +2,10 @@
 
 #include <limits.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 
 #include "arith/fixed/fixed.h"
-#include "functions.h"
 #include "trace.h"
 
 /* The kernels' sums of half products stay below 2^63 for fewer than 1024 limbs. */
@@ -43,12 +43,40 @@ static void destroy(cns_arith *A)
     free(A);
 }
 
-cns_arith *cns_fast_create(const cns_arith_spec *spec, const char *kernel, cns_error *err)
+/* What cns_fast_choose_kernel() chose; NULL: the best. */
+static const fx_kernel *_Atomic process_kernel;
+
+cns_code cns_fast_choose_kernel(const char *name, cns_error *err)
 {
-    const fx_kernel *ops = cns_fx_kernel_choose(kernel);
+    const fx_kernel *kernel = cns_fx_kernel_find(name == NULL || *name == '\0' ? "auto" : name);
+    if (kernel == NULL)
+        return cns_fail(err, CNS_USAGE,
+                        "this machine has no such kernel; auto, portable and avx512ifma are known");
+    atomic_store(&process_kernel, kernel);
+    return CNS_OK;
+}
+
+static const fx_kernel *kernel_of_process(void)
+{
+    const fx_kernel *kernel = atomic_load(&process_kernel);
+    return kernel != NULL ? kernel : cns_fx_kernel_find("auto");
+}
+
+const char *cns_fast_kernel_name(void)
+{
+    return kernel_of_process()->name;
+}
+
+bool cns_fast_has_kernel(const char *name)
+{
+    return cns_fx_kernel_find(name) != NULL;
+}
+
+static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
+{
+    const fx_kernel *ops = spec->kernel == NULL ? kernel_of_process() : cns_fx_kernel_find(spec->kernel);
     if (ops == NULL) {
-        cns_fail(err, CNS_USAGE, "no such kernel on this machine: '%s'",
-                 kernel != NULL ? kernel : getenv("CNS_KERNEL"));
+        cns_fail(err, CNS_USAGE, "this machine has no kernel %s", spec->kernel);
         return NULL;
     }
     if (spec->series < 1 || spec->order < 1 || spec->prec < MPFR_PREC_MIN || spec->prec > MAX_PREC ||
@@ -77,24 +105,6 @@ cns_arith *cns_fast_create(const cns_arith_spec *spec, const char *kernel, cns_e
 static size_t bytes(const cns_arith *A)
 {
     return A->F->bytes;
-}
-
-static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
-{
-    return cns_fast_create(spec, NULL, err);
-}
-
-cns_code cns_fast_kernel_name(const char **name, cns_error *err)
-{
-    const fx_kernel *kernel = cns_fx_kernel_choose(NULL);
-    const char *asked = getenv("CNS_KERNEL");
-    if (!kernel)
-        return cns_fail(
-            err, CNS_USAGE,
-            "CNS_KERNEL=%s: this machine has no such kernel; auto, portable and avx512ifma are known",
-            asked ? asked : "");
-    *name = kernel->name;
-    return CNS_OK;
 }
 
 const char *cns_fast_kernel(const cns_arith *A)

@@ -11,7 +11,13 @@
 
 #include "arith.h"
 
-extern const cns_arith_ops cns_arith_fast; /* kernel by CNS_KERNEL: auto, portable, avx512ifma */
+/* The kernel does the work on limbs: "portable" C, or "avx512ifma" where the processor has it, with the same
+ * bits. "auto" is the best that there is. An arithmetic whose spec names none takes the kernel of the
+ * process, which is "auto" unless chosen otherwise, once and for all that is created from then on; NULL and
+ * "" choose "auto". CNS_USAGE: this machine has no such kernel. */
+cns_code cns_fast_choose_kernel(const char *name, cns_error *err);
+const char *cns_fast_kernel_name(void); /* of the process */
+bool cns_fast_has_kernel(const char *name);
 
 typedef struct cns_fast_status {
     int raised;        /* bits by which a block exponent had to be raised since begin, the largest */
@@ -19,8 +25,6 @@ typedef struct cns_fast_status {
     bool singular;     /* division by zero, or a value that is not finite, since begin */
 } cns_fast_status;
 
-/* As ops->create, with the kernel named (NULL: as CNS_KERNEL says). */
-cns_arith *cns_fast_create(const cns_arith_spec *spec, const char *kernel, cns_error *err);
 const char *cns_fast_kernel(const cns_arith *A);
 
 /* For the next begin: working precision, at most that of the spec; bits by which coefficients are

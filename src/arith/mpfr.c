@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "arith.h"
-#include "functions.h"
 
 struct cns_arith {
     cns_arith_spec spec;
@@ -196,6 +195,30 @@ static void store_next(cns_arith *A, int x, int k, int c)
     if (A->H != 1)
         mpfr_mul_d(A->acc, A->acc, A->H, MPFR_RNDN);
     mpfr_div_ui(at(A, x, k + 1), A->acc, (unsigned long)k + 1, MPFR_RNDN);
+}
+
+void cns_function_mpfr(cns_function f, mpfr_ptr w, mpfr_ptr w2, mpfr_srcptr a, mpfr_srcptr b)
+{
+    switch (f) {
+    case CNS_FN_SQRT:
+        mpfr_sqrt(w, a, MPFR_RNDN);
+        break;
+    case CNS_FN_HYPOT:
+        mpfr_hypot(w, a, b, MPFR_RNDN);
+        break;
+    case CNS_FN_SINCOS:
+        mpfr_sin_cos(w, w2, a, MPFR_RNDN);
+        break;
+    case CNS_FN_EXP:
+        mpfr_exp(w, a, MPFR_RNDN);
+        break;
+    case CNS_FN_LOG:
+        mpfr_log(w, a, MPFR_RNDN);
+        break;
+    case CNS_FN_POW:
+        mpfr_pow(w, a, b, MPFR_RNDN);
+        break;
+    }
 }
 
 static void function(cns_arith *A, cns_function f, int w, int w2, int a, int b)

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "arith/arith.h"
+#include "arith/fast.h"
 #include "cns/flow.h"
 #include "core/clock.h"
 #include "core/memory.h"
@@ -45,37 +45,9 @@ cns_system *cns_bench_system_new(cns_bench_system system, cns_error *err)
     return cns_system_parse(cns_model_find(systems[system].model), systems[system].settings, err);
 }
 
-/* The kernel is chosen by the environment, which is put back as it was. */
-
-typedef struct kernel_choice {
-    char *before;
-} kernel_choice;
-
-static void choose_kernel(kernel_choice *c, cns_bench_engine engine)
-{
-    const char *before = getenv("CNS_KERNEL");
-    c->before = before ? cns_xcopy(before) : NULL;
-    if (engine != CNS_BENCH_MPFR)
-        setenv("CNS_KERNEL", engines[engine], 1);
-}
-
-static void put_back(kernel_choice *c)
-{
-    if (c->before)
-        setenv("CNS_KERNEL", c->before, 1);
-    else
-        unsetenv("CNS_KERNEL");
-    free(c->before);
-}
-
 bool cns_bench_has(cns_bench_engine engine)
 {
-    kernel_choice choice;
-    const char *name;
-    choose_kernel(&choice, engine);
-    bool has = engine == CNS_BENCH_MPFR || !cns_fast_kernel_name(&name, NULL);
-    put_back(&choice);
-    return has;
+    return engine == CNS_BENCH_MPFR || cns_fast_has_kernel(engines[engine]);
 }
 
 /* One run. */
@@ -142,14 +114,10 @@ cns_code cns_bench_measure(const cns_system *p, const cns_bench_job *job, cns_be
         cns_flow_spec_taylor(cns_system_program(p), cns_system_scales(p), arithmetic, job->digits);
     if (job->order)
         spec.order = job->order;
+    spec.kernel = job->engine == CNS_BENCH_MPFR ? NULL : engines[job->engine];
     spec.stop = job->stop;
     cns_bench_run_clear(run);
-    if (!cns_bench_has(job->engine))
-        return cns_fail(err, CNS_USAGE, "this machine has no kernel %s", engines[job->engine]);
-    kernel_choice choice;
-    choose_kernel(&choice, job->engine);
     cns_flow *f = cns_flow_new(&spec, err);
-    put_back(&choice);
     if (!f)
         return err->code;
     run->order = spec.order;

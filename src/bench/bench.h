@@ -5,7 +5,7 @@
  * Every engine takes the order that the program would choose for it (cns_order_for) unless told otherwise,
  * and adaptive steps of tolerance 10^-digits. The first step, which converts constants and guesses the step,
  * is made before the clock starts. Times are of the process, so that other programs do not count: nothing
- * else may run in it. While a kernel is measured CNS_KERNEL is set in the environment, and put back. */
+ * else may run in it. */
 #ifndef CNS_BENCH_BENCH_H
 #define CNS_BENCH_BENCH_H
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "arith/arith.h"
+#include "arith/fast.h"
 #include "core/clock.h"
 #include "report.h"
 
@@ -57,10 +57,11 @@ static int open_system(cns_context *cx)
     const cns_case *c = cx->c;
     const cns_options *o = cx->o;
     cns_error err = {0};
-    const char *kernel; /* a wrong CNS_KERNEL is a usage error before anything is computed */
+    const char *kernel = getenv("CNS_KERNEL");
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    if (!cns_fast_kernel_name(&kernel, &err))
-        cx->system = cns_system_new(c->model, c->parameters, c->initial, c->smooth ? &c->eps : NULL, &err);
+    if (cns_fast_choose_kernel(kernel, &err))
+        return cns_complain(err.code, "CNS_KERNEL=%s: %s", kernel, err.text);
+    cx->system = cns_system_new(c->model, c->parameters, c->initial, c->smooth ? &c->eps : NULL, &err);
     if (cx->system == NULL)
         return cns_complain(err.code, "%s", err.text);
     cx->monitor.threads = o->threads > 0 ? (int)o->threads : processors > 0 ? (int)processors : 1;

@@ -61,7 +61,8 @@ static void destroy(cns_stepper *s)
 static cns_jet *new_jet(const cns_stepper *s, const cns_arith_ops *ops, int order, mpfr_prec_t prec,
                         cns_error *err)
 {
-    cns_jet_spec jet = {.program = s->spec.program, .ops = ops, .order = order, .prec = prec};
+    cns_jet_spec jet = {
+        .program = s->spec.program, .ops = ops, .order = order, .prec = prec, .kernel = s->spec.kernel};
     return cns_jet_new(&jet, err);
 }
 
@@ -81,7 +82,8 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
         s->scout = new_jet(s, &cns_arith_double, SCOUT_ORDER, 53, err);
         s->jet = s->fast;
     }
-    if (!s->jet) /* also where the fast one does not fit */
+    const bool no_kernel = ops->in_steps && !s->fast && err->code == CNS_USAGE;
+    if (!s->jet && !no_kernel) /* also where the fast one does not fit */
         s->jet = s->plain = new_jet(s, cns_flow_reference_arith(spec), spec->order, spec->prec, err);
     if (ops->in_steps && !s->scout)
         s->jet = NULL;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "arith/arith.h"
+#include "arith/fast.h"
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/monitor.h"
@@ -163,7 +163,7 @@ static void progress(const walk *w, const cns_result *result)
     cns_monitor_tell(w->p->monitor, work_done(&result->run, t / end), what);
 }
 
-static cns_code describe(cns_run_info *info, const cns_proof_runs *runs, cns_error *err)
+static void describe(cns_run_info *info, const cns_proof_runs *runs)
 {
     info->digits = runs->fine_digits;
     info->prec = runs->fine.prec;
@@ -172,8 +172,9 @@ static cns_code describe(cns_run_info *info, const cns_proof_runs *runs, cns_err
     info->proof_prec = runs->coarse.prec;
     info->proof_order = runs->coarse.order;
     const cns_arithmetic arithmetic = cns_arithmetic_for(runs->fine.arithmetic, runs->fine.order);
-    info->kernel = arithmetic == CNS_ARITH_DOUBLE ? "double" : "mpfr";
-    return arithmetic == CNS_ARITH_FAST ? cns_fast_kernel_name(&info->kernel, err) : CNS_OK;
+    info->kernel = arithmetic == CNS_ARITH_FAST     ? cns_fast_kernel_name()
+                   : arithmetic == CNS_ARITH_DOUBLE ? "double"
+                                                    : "mpfr";
 }
 
 /* To be closed whatever is returned. */
@@ -193,9 +194,7 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
     mpfr_init2(w->error, ERROR_BITS);
     w->text = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->text);
     w->value = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->value);
-    cns_code code = describe(&result->run, runs, err);
-    if (code)
-        return code;
+    describe(&result->run, runs);
     w->fine = cns_trajectory_new(&spec, err);
     if (!w->fine)
         return err->code;

@@ -119,8 +119,10 @@ cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err)
     }
     J->sharp = cns_jet_is_sharp(p, spec->sharp_prec ? spec->sharp_prec : spec->prec);
     J->registers_from = series;
-    cns_arith_spec arith = {
-        .series = series + spec->registers, .order = spec->order + LOOKAHEAD, .prec = spec->prec};
+    cns_arith_spec arith = {.series = series + spec->registers,
+                            .order = spec->order + LOOKAHEAD,
+                            .prec = spec->prec,
+                            .kernel = spec->kernel};
     J->A = J->ops->create(&arith, err);
     if (!J->A || compute_constants(J, err)) {
         cns_jet_free(J);

@@ -24,6 +24,7 @@ typedef struct cns_jet_spec {
     const cns_arith_ops *ops;
     int order; /* highest order of the states, >= 1 */
     mpfr_prec_t prec;
+    const char *kernel;     /* as in cns_arith_spec */
     mpfr_prec_t sharp_prec; /* the precision by which smoothing counts as sharp; 0: prec */
     bool outputs;           /* also compute what only outputs need */
     int registers;          /* extra series for the caller's use (Runge-Kutta stages) */

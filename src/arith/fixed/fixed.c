@@ -749,12 +749,8 @@ void cns_fx_slope(fx *F, mpfr_t y, double *largest, int a, int n, const mpfr_t t
     }
 }
 
-const fx_kernel *cns_fx_kernel_choose(const char *name)
+const fx_kernel *cns_fx_kernel_find(const char *name)
 {
-    if (name == NULL)
-        name = getenv("CNS_KERNEL");
-    if (name == NULL || *name == '\0')
-        name = "auto";
 #ifdef FX_HAVE_IFMA
     const bool ifma = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw") &&
@@ -764,5 +760,5 @@ const fx_kernel *cns_fx_kernel_choose(const char *name)
 #endif
     if (strcmp(name, "auto") == 0 || strcmp(name, "portable") == 0)
         return &cns_fx_kernel_portable;
-    return NULL; /* unknown, or not on this machine */
+    return NULL;
 }

@@ -206,7 +206,7 @@ bool cns_fx_compile(fx *F, const cns_trace *trace, int k);
 void cns_fx_ratio(fx *F, long p, long q); /* acc *= p / q, slowly */
 void cns_fx_shift(int64_t *out, const int64_t *t, int rows, int t_rows, long shift); /* t 2^shift, floor */
 
-const fx_kernel *cns_fx_kernel_choose(const char *name); /* NULL name: CNS_KERNEL, else the best */
+const fx_kernel *cns_fx_kernel_find(const char *name); /* "auto": the best; NULL: this machine has it not */
 extern const fx_kernel cns_fx_kernel_portable;
 #if defined(__x86_64__) && defined(__GNUC__)
 #define FX_HAVE_IFMA 1
