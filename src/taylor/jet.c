@@ -1,15 +1,11 @@
 #include "jet.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "arith/trace.h"
 #include "jet_internal.h"
-
-/* Room beyond the order asked for, where leading zeros let products run ahead of the states. */
-enum { LOOKAHEAD = 4 };
 
 /* From this order on every recurrence makes the same calls, with indices one higher at every order: a root's
  * square is the last to begin, at 2. */
@@ -120,7 +116,7 @@ cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err)
     J->sharp = cns_jet_is_sharp(p, spec->sharp_prec ? spec->sharp_prec : spec->prec);
     J->registers_from = series;
     cns_arith_spec arith = {.series = series + spec->registers,
-                            .order = spec->order + LOOKAHEAD,
+                            .order = spec->order + CNS_LOOKAHEAD,
                             .prec = spec->prec,
                             .kernel = spec->kernel};
     J->A = J->ops->create(&arith, err);
@@ -201,8 +197,7 @@ static void find_vanishing(cns_jet *J)
     }
 }
 
-/* x_{k+1} = H f_k / (k+1). */
-static void next_state(cns_jet *J, int i, int k)
+void cns_jet_next_state(cns_jet *J, int i, int k)
 {
     int factor = J->p->factor[i];
     J->ops->zero(J->A);
@@ -226,7 +221,7 @@ static cns_code next_order(cns_jet *J, int k, cns_error *err)
 {
     cns_code code = compose_order(J, k, err);
     for (int i = 0; i < J->p->n_states && !code; i++)
-        next_state(J, i, k);
+        cns_jet_next_state(J, i, k);
     return code;
 }
 
@@ -282,93 +277,6 @@ static cns_code expand_regular(cns_jet *J, int order, cns_error *err)
     return CNS_OK;
 }
 
-/* The general expansion, for a start where something that divides, or lies under a root, vanishes. Every
- * node is computed as far as its operands allow; leading zeros become known on the way, and a quotient
- * whose divisor's first non-zero coefficient is not known yet waits, assumed finite: what it multiplies
- * must vanish to the order that makes the sum known without it, or the expansion gets stuck and fails. States
- * run ahead of each other as far as they can. */
-static cns_code expand_singular(cns_jet *J, int order, cns_error *err)
-{
-    const cns_program *p = J->p;
-    const int far = INT_MAX / 4, room = J->spec.order + LOOKAHEAD + 1;
-    int least = 1;
-
-    for (int v = 0; v < p->n_nodes; v++) {
-        bool fixed = p->node[v].constant || J->vanishes[v];
-        J->known[v] = fixed ? far : p->node[v].op == CNS_OP_STATE ? 1 : 0;
-        J->val[v] = J->vanishes[v] ? room : 0;
-        J->sign[v] = 0;
-    }
-    for (int i = 0; i < p->n_states; i++)
-        J->state_known[i] = 1;
-    for (;;) {
-        bool progress = false;
-        for (int v = 0; v < p->n_nodes; v++) {
-            const cns_tape_node *n = &p->node[v];
-            long e;
-            if (n->constant || J->vanishes[v] || (!n->needed && !J->spec.outputs) || J->known[v] < 0)
-                continue;
-            if (n->op == CNS_OP_STATE) {
-                while (J->val[v] < J->known[v] && J->val[v] < room &&
-                       J->ops->get_2exp(J->A, &e, J->series[v], J->val[v]) == 0)
-                    J->val[v]++;
-                continue;
-            }
-            int count = cns_least(cns_operations[n->op]->known(J, v), room);
-            if (count == CNS_POLE) {
-                if (n->needed)
-                    return cns_fail(err, CNS_NUMERIC, "division by zero (operation %%%d)", v);
-                J->known[v] = -far; /* an output has no value here; the solution has */
-                continue;
-            }
-            if (J->series[v] < 0) {
-                progress = progress || count > J->known[v];
-                J->known[v] = count;
-                J->val[v] = cns_least(cns_operations[n->op]->zeros(J, v), room);
-                continue;
-            }
-            while (J->known[v] < count) {
-                int k = J->known[v];
-                cns_code code = cns_operations[n->op]->recurrence(J, v, k, err);
-                if (code && n->needed)
-                    return code;
-                if (code) {
-                    J->known[v] = -far;
-                    break;
-                }
-                J->known[v]++;
-                if (J->val[v] == k && J->ops->get_2exp(J->A, &e, J->series[v], k) == 0)
-                    J->val[v] = k + 1;
-                progress = true;
-                if (cns_operations[n->op]->has_companion)
-                    break; /* whose turn it is */
-            }
-        }
-        least = far;
-        for (int i = 0; i < p->n_states; i++) {
-            int reach = J->state_vanishes[i] ? order : cns_least(J->known[p->derivative[i]], order);
-            for (; J->state_known[i] <= reach; J->state_known[i]++) {
-                progress = true;
-                next_state(J, i, J->state_known[i] - 1);
-            }
-            if (p->state_node[i] >= 0 && !J->vanishes[p->state_node[i]])
-                J->known[p->state_node[i]] = J->state_known[i];
-            least = cns_least(least, J->state_known[i]);
-        }
-        if ((least > order && !J->spec.outputs) || !progress)
-            break;
-    }
-    for (int v = 0; v < p->n_nodes && J->spec.outputs; v++) /* what is made of a singular quantity */
-        for (int k = 0; k < 4; k++)
-            if (p->node[v].arg[k] >= 0 && J->known[p->node[v].arg[k]] < 1 && !J->vanishes[v])
-                J->known[v] = -far;
-    /* Products may need coefficients beyond the room; a few orders less are no failure. */
-    J->order = least - 1;
-    if (J->order < order - LOOKAHEAD || J->order < 1)
-        return cns_fail(err, CNS_NUMERIC, "the equations are singular");
-    return CNS_OK;
-}
-
 static cns_code expand(cns_jet *J, int order, cns_error *err)
 {
     const cns_program *p = J->p;
@@ -382,7 +290,7 @@ static cns_code expand(cns_jet *J, int order, cns_error *err)
         return cns_fail(err, CNS_NUMERIC, "%s", regular.text);
     J->singular = true;
     J->sign_late = false;
-    return expand_singular(J, order, err);
+    return cns_jet_expand_singular(J, order, err);
 }
 
 /* Where an abs() starts on a zero, its sign shows only at the order of the zero, but its tangent has that
@@ -406,28 +314,6 @@ void cns_jet_set_coefficient(cns_jet *J, int state, int k, const mpfr_t x)
     J->ops->set(J->A, J->state_series[state], k, x, false);
 }
 
-static cns_watched watched_by(const cns_jet *J, int w)
-{
-    const int v = J->p->watch[w];
-    return cns_operation_of(J, v)->watch(J, v);
-}
-
-/* Marks the kinks that the point lies on, and says whether there are any. */
-static bool lies_on_kinks(cns_jet *J)
-{
-    bool any = false;
-    long e;
-    for (int w = 0; w < J->p->n_watch; w++) {
-        const cns_watched watched = watched_by(J, w);
-        const int u = watched.node;
-        if (watched.kind != CNS_WATCH_KINK || J->p->node[u].constant)
-            continue;
-        J->at_zero[u] = J->ops->get_2exp(J->A, &e, J->series[u], 0) == 0 || e < -(long)J->spec.prec / 2;
-        any = any || J->at_zero[u];
-    }
-    return any;
-}
-
 cns_code cns_jet_compose(cns_jet *J, int k, cns_error *err)
 {
     const size_t n = (size_t)J->p->n_nodes;
@@ -440,7 +326,7 @@ cns_code cns_jet_compose(cns_jet *J, int k, cns_error *err)
         J->vanishes[v] = J->constant_zero[v];
     J->singular = false;
     cns_code code = compose_order(J, 0, err);
-    if (code || !lies_on_kinks(J))
+    if (code || !cns_jet_lies_on_kinks(J))
         return code;
     memset(J->sign, 0, n * sizeof *J->sign);
     return compose_order(J, 0, err);
@@ -483,44 +369,6 @@ bool cns_jet_output(const cns_jet *J, mpfr_t y, int output)
     else
         J->ops->get(J->A, y, J->series[v], 0);
     return mpfr_number_p(y) != 0;
-}
-
-int cns_jet_watched(const cns_jet *J)
-{
-    return J->p->n_watch;
-}
-
-void cns_jet_set_zero(cns_jet *J, int w)
-{
-    J->at_zero[watched_by(J, w).node] = true;
-}
-
-bool cns_jet_watch(const cns_jet *J, int w, cns_watch *watch)
-{
-    const cns_watched watched = watched_by(J, w);
-    const int v = watched.node, held = J->p->watch[w];
-    const cns_tape_node *n = &J->p->node[v];
-    if (J->vanishes[v])
-        return false;
-    watch->series = J->series[v];
-    watch->state = n->op == CNS_OP_STATE ? n->index : -1;
-    watch->kind = watched.kind;
-    watch->eps = watch->kind == CNS_WATCH_SMOOTH ? J->series[watched.eps] : -1;
-    watch->order = J->singular         ? cns_least(J->known[v] - 1, J->order)
-                   : watch->state >= 0 ? J->order
-                                       : J->order - 1;
-    watch->zeros = 0;
-    if (watch->kind == CNS_WATCH_KINK) {
-        /* The coefficients that did not decide the sign are zero within rounding. */
-        if (!J->sign[held])
-            return false;
-        while (watch->zeros < watch->order && cns_is_zero(J, J->series[held], watch->zeros))
-            watch->zeros++;
-    } else {
-        while (watch->zeros < watch->order && cns_is_zero(J, J->series[v], watch->zeros))
-            watch->zeros++;
-    }
-    return true;
 }
 
 const cns_arith_ops *cns_jet_ops(const cns_jet *J)

@@ -45,6 +45,13 @@ struct cns_jet {
  * the sums and products it stands for. */
 void cns_accumulate(cns_jet *J, int sign, int v, int n);
 
+/* Room beyond the order asked for, where leading zeros let products run ahead of the states. */
+enum { CNS_LOOKAHEAD = 4 };
+
+void cns_jet_next_state(cns_jet *J, int i, int k); /* x_{k+1} = H f_k / (k+1) */
+cns_code cns_jet_expand_singular(cns_jet *J, int order, cns_error *err);
+bool cns_jet_lies_on_kinks(cns_jet *J); /* at order 0; marks them in at_zero */
+
 /* What an operation has to watch: the node in whose zeros w is not analytic, and for CNS_WATCH_SMOOTH the
  * node eps. */
 typedef struct cns_watched {

@@ -1,0 +1,137 @@
+/* What is found out about a program once it is complete: which nodes are needed, what feeds back, what is to
+ * be watched, and which sums need not be stored. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "program_internal.h"
+
+/* Marks the nodes that derivatives need, companions included (whose operands are needed already). */
+static void mark_needed(cns_program *p)
+{
+    for (int i = 0; i < p->n_states; i++)
+        p->node[p->derivative[i]].needed = true;
+    for (int v = p->n_nodes - 1; v >= 0; v--)
+        for (int k = 0; k < 4; k++)
+            if (p->node[v].needed && p->node[v].arg[k] >= 0)
+                p->node[p->node[v].arg[k]].needed = true;
+    for (int v = 0; v + 1 < p->n_nodes; v++)
+        if (p->node[v].needed && cns_operations[p->node[v].op]->has_companion)
+            p->node[v + 1].needed = true;
+}
+
+/* The states that node f is made of. */
+static void states_of(const cns_program *p, cns_node f, bool *seen, bool *states)
+{
+    memset(seen, 0, (size_t)p->n_nodes * sizeof *seen);
+    memset(states, 0, (size_t)p->n_states * sizeof *states);
+    seen[f] = true;
+    for (int v = f; v >= 0; v--)
+        if (seen[v]) {
+            const cns_tape_node *n = &p->node[v];
+            if (n->op == CNS_OP_STATE)
+                states[n->index] = true;
+            for (int k = 0; k < 4; k++)
+                if (n->arg[k] >= 0)
+                    seen[n->arg[k]] = true;
+        }
+}
+
+/* A state is passive when only passive states, and not itself, feed on it. */
+static bool mark_dynamic(cns_program *p)
+{
+    int n = p->n_states;
+    bool *seen = calloc((size_t)p->n_nodes + 1, sizeof *seen);
+    bool *feeds = calloc((size_t)n * (size_t)n + 1, sizeof *feeds); /* feeds[j n + i]: i appears in x_j' */
+    if (!seen || !feeds) {
+        free(seen);
+        free(feeds);
+        return false;
+    }
+    for (int j = 0; j < n; j++) {
+        states_of(p, p->derivative[j], seen, feeds + (size_t)j * (size_t)n);
+        p->dynamic[j] = false;
+    }
+    /* Transitive closure; a state is dynamic if it reaches a state that reaches itself. */
+    for (int k = 0; k < n; k++)
+        for (int j = 0; j < n; j++)
+            if (feeds[j * n + k])
+                for (int i = 0; i < n; i++)
+                    if (feeds[k * n + i])
+                        feeds[j * n + i] = true;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            if (feeds[j * n + j] && (i == j || feeds[j * n + i]))
+                p->dynamic[i] = true;
+    free(seen);
+    free(feeds);
+    return true;
+}
+
+/* Sums and products with one user, which only accumulates them, are folded into it; and a constant
+ * factor of a whole derivative is left to the step from f to the next coefficient of the state. */
+static void fold(cns_program *p)
+{
+    bool *stored = calloc((size_t)p->n_nodes + 1, sizeof *stored);
+    if (!stored) {
+        cns_fail(&p->error, CNS_NUMERIC, "out of memory");
+        return;
+    }
+    for (int i = 0; i < p->n_states; i++)
+        p->node[p->derivative[i]].uses++;
+    for (int v = 0; v < p->n_nodes; v++)
+        if (p->node[v].needed && !p->node[v].constant)
+            for (int k = 0; k < 4; k++) {
+                int a = p->node[v].arg[k];
+                if (a < 0)
+                    continue;
+                p->node[a].uses++;
+                if (!(cns_operations[p->node[v].op]->adds >> k & 1))
+                    stored[a] = true;
+            }
+    for (int v = 0; v < p->n_nodes; v++) {
+        cns_tape_node *n = &p->node[v];
+        const bool may =
+            cns_operations[n->op]->accumulate && !(n->op == CNS_OP_SCALE && p->node[n->arg[1]].folded);
+        n->folded = may && !n->constant && n->needed && n->uses == 1 && !stored[v];
+    }
+    for (int i = 0; i < p->n_states; i++) {
+        cns_tape_node *n = &p->node[p->derivative[i]];
+        if (n->op == CNS_OP_SCALE && !n->constant && n->uses == 1) {
+            n->folded = true; /* nobody computes it: the derivative is taken from its operand */
+            p->factor[i] = n->arg[0];
+            p->derivative[i] = n->arg[1];
+        }
+    }
+    free(stored);
+}
+
+static bool find_watched(cns_program *p)
+{
+    p->watch = calloc((size_t)p->n_nodes + 1, sizeof *p->watch);
+    if (!p->watch)
+        return false;
+    for (int v = 0; v < p->n_nodes; v++) {
+        const cns_tape_node *n = &p->node[v];
+        if (n->needed && !n->constant && cns_operations[n->op]->watch)
+            p->watch[p->n_watch++] = v;
+    }
+    return true;
+}
+
+cns_code cns_program_finish(cns_program *p, cns_error *err)
+{
+    for (int i = 0; i < p->n_states && !p->error.code; i++)
+        if (p->derivative[i] < 0)
+            cns_fail(&p->error, CNS_NUMERIC, "state %d has no derivative", i);
+    if (!p->error.code && !p->finished) {
+        mark_needed(p);
+        if (!mark_dynamic(p) || !find_watched(p))
+            cns_fail(&p->error, CNS_NUMERIC, "out of memory");
+        else
+            fold(p);
+        p->finished = true;
+    }
+    if (p->error.code)
+        return cns_fail(err, p->error.code, "%s", p->error.text);
+    return CNS_OK;
+}
