@@ -61,7 +61,7 @@ static void collect(const cns_flow_spec *spec, const char *const *initial, cns_e
                 continue;
             ck_assert_int_lt(n_all, MOST);
             record *r = &all[n_all++];
-            *r = (record){.section = m->section, .direction = m->direction, .k = m->k, .rate = m->rate};
+            *r = (record){.section = m->condition, .direction = m->direction, .k = m->k, .rate = m->rate};
             mpfr_init2(r->time, mpfr_get_prec(m->time));
             mpfr_set(r->time, m->time, MPFR_RNDN);
             r->state = vector_new(n_of, cns_flow_prec(f));
@@ -186,6 +186,25 @@ START_TEST(test_two_in_a_step_and_a_touch)
 }
 END_TEST
 
+/* Steps much shorter than the noise of the state, as beside a singularity: what crosses is no touch. */
+START_TEST(test_tiny_steps)
+{
+    cns_program *p = oscillator();
+    cns_event_condition s[] = {section(CNS_CONDITION_VALUE, 0, "0", NULL)};
+    const char *tiny = "3e-31";
+    cns_number *step = numbers_new(1, &tiny);
+    cns_flow_spec spec = taylor_spec(p, 20);
+    spec.step = step;
+    collect(&spec, (const char *[]){"1e-30", "-1", "0"}, s, 1, 1e-29);
+    ck_assert_int_eq(n_all, 1);
+    ck_assert_int_eq(all[0].direction, -1);
+    ck_assert(fabs(all[0].rate + 1) < 1e-15);
+    ck_assert(fabs(mpfr_get_d(all[0].time, MPFR_RNDN) - 1e-30) < 1e-45);
+    numbers_free(step, 1);
+    cns_program_free(p);
+}
+END_TEST
+
 /* A fixed step that ends exactly on the section, again and again: each meeting once. z = 1/2, 1, 3/2, ... */
 START_TEST(test_joints)
 {
@@ -303,6 +322,7 @@ Suite *suite_meetings(void)
     tcase_add_test(t, test_zeros_of_the_sine);
     tcase_add_test(t, test_periods);
     tcase_add_test(t, test_two_in_a_step_and_a_touch);
+    tcase_add_test(t, test_tiny_steps);
     tcase_add_test(t, test_joints);
     tcase_add_test(t, test_falling_disk);
     tcase_add_test(t, test_double_agrees);

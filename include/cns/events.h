@@ -15,8 +15,8 @@
  * distance has an extremum and is there below the noise of the step: then direction is 0. Two crossings whose
  * excursion is below that noise are such a touch, too.
  *
- * These meetings are those of one run. Whether their digits are right a second run tells: cns_solve_events()
- * in cns/solve.h. */
+ * These meetings are those of one run. Whether their digits are right a second run tells: give the conditions
+ * to a problem of cns/solve.h. */
 #ifndef CNS_EVENTS_H
 #define CNS_EVENTS_H
 
@@ -41,13 +41,13 @@ void cns_event_condition_clear(cns_event_condition *s);
 void cns_event_condition_set(cns_event_condition *s, const cns_event_condition *from);
 
 typedef struct cns_meeting {
-    int section;   /* which of the conditions, 0 .. n - 1 */
+    int condition; /* which of the conditions, 0 .. n - 1 */
     long k;        /* CNS_CONDITION_PERIODS: the state is value + k period */
     int direction; /* sign of the change of state (of its derivative, at an extremum: -1 is a maximum); 0:
                       touched only */
     double rate;   /* that change per unit of time */
     mpfr_t time;
-    mpfr_t *state; /* all states; the section's own is exactly the value, rounded */
+    mpfr_t *state; /* all states; the condition's own is exactly the value, rounded */
 } cns_meeting;
 
 typedef struct cns_meetings cns_meetings;
@@ -55,8 +55,8 @@ typedef struct cns_meetings cns_meetings;
 /* n conditions, which are copied, on flows of programs with n_states states at prec bits; scales, one per
  * state, > 0, tell what is small. cns_meetings_free() frees it; NULL, and err->code says why: CNS_USAGE, no
  * such state or no positive period; CNS_NUMERIC, out of memory. */
-cns_meetings *cns_meetings_new(const cns_event_condition *section, int n, int n_states, const double *scales,
-                               mpfr_prec_t prec, cns_error *err);
+cns_meetings *cns_meetings_new(const cns_event_condition *condition, int n, int n_states,
+                               const double *scales, mpfr_prec_t prec, cns_error *err);
 void cns_meetings_free(cns_meetings *s);
 
 /* After cns_flow_start(). */

@@ -63,32 +63,50 @@ typedef struct cns_row {
     double growth;
 } cns_row;
 
+/* A meeting of the trajectory with a condition (cns/events.h), 0 < t <= end. Both runs of a proof find theirs
+ * independently; the i-th meeting with each condition must be the same in both, and e bounds the error of its
+ * time and states. The noise in e is carried along the flow to the meeting: slow crossings lose digits. */
+typedef struct cns_event {
+    int condition; /* which of the problem's */
+    long k;        /* see cns_meeting */
+    int direction; /* -1, 1; 0: touched */
+    char *time;
+    char **state;  /* one per state */
+    long decimals; /* proven, or significant digits where those are asked for; -1: no proof */
+} cns_event;
+
 /* What a run reports, while it goes on. Any function may be NULL. A sink's failure ends the run. */
 typedef struct cns_sink {
     void *context;
-    cns_code (*begin)(void *context, const cns_run_info *run, cns_error *err); /* each attempt */
-    cns_code (*row)(void *context, const cns_row *row, cns_error *err);        /* final */
+    /* Each attempt at a goal. Rows that were told before are final; events are told anew, from t = 0. */
+    cns_code (*begin)(void *context, const cns_run_info *run, cns_error *err);
+    cns_code (*row)(void *context, const cns_row *row, cns_error *err);
+    cns_code (*event)(void *context, const cns_event *event, cns_error *err); /* in order of time */
 } cns_sink;
 
-/* A system and the rows wanted of its trajectory. All is borrowed. */
+/* A system, and the rows and events wanted of its trajectory. All is borrowed. */
 typedef struct cns_problem {
     const cns_system *system;
     const cns_number *end,
         *every;                /* rows at multiples of every and at the end; every NULL: at 0 and the end */
     const cns_column *columns; /* NULL: the time and all states */
     int n_columns;
+    const cns_event_condition *conditions; /* whose meetings are wanted, too; NULL: none */
+    int n_conditions;
     const cns_monitor *monitor; /* more than one thread: the two runs of a proof side by side */
-    const cns_sink *sink;       /* NULL: nobody wants to see rows */
+    const cns_sink *sink;       /* NULL: nobody wants to see them */
 } cns_problem;
 
 typedef struct cns_result {
     cns_run_info run;     /* of the last attempt */
     long steps, landings; /* of the printed run; landings are steps that end on a kink */
     long rows;
-    long decimals; /* the least proven in any row; -1: no proof, or no row */
-    bool complete; /* all rows are there */
-    bool reached;  /* and, of a goal: none has fewer places than asked for */
-    double end;    /* the last row's time */
+    long decimals;        /* the least proven in any row; -1: no proof, or no row */
+    bool complete;        /* all rows are there */
+    bool reached;         /* and, of a goal: no row and no event has fewer places than asked for */
+    cns_error events_end; /* CNS_UNREACHED: the two runs differ from some event on (a touch that may be no
+                             meeting, or two), and those after it were not told */
+    double end;           /* the last row's time */
     double wall_s;
 } cns_result;
 
@@ -110,46 +128,6 @@ cns_code cns_solve_print(const cns_system *s, const char *end, const char *every
  * the end, and err says why. */
 cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_schedule *schedule,
                   cns_error *err);
-
-/* Tables of events: the moments at which a trajectory meets given conditions (cns/events.h), with the states
- * there.
- *
- * Under a proof two runs of different precision, order and steps find their events independently. The i-th
- * meeting with each condition must be the same in both; e = 16 max(their difference, what the measured growth
- * makes of the coarser run's noise, carried along the flow to the section) bounds the error of time and
- * states, and a text is right when value - e and value + e both have it. Where the runs disagree on what
- * happens (a touch that may be no meeting, or two), the table ends before. */
-typedef struct cns_event {
-    int section;
-    long k;        /* see cns_meeting */
-    int direction; /* -1, 1; 0: touched */
-    char *time;
-    char **state;  /* texts, n_states */
-    long decimals; /* proven; -1: no proof */
-} cns_event;
-
-typedef struct cns_events {
-    int n, n_states;
-    cns_event *event;
-} cns_events;
-
-/* How to run. Proven: digits > 0, the digits of the finer run of a goal that has been reached, and the places
- * wanted. By given numerics: numerics, and prove or not. */
-typedef struct cns_events_spec {
-    const cns_event_condition *sections;
-    int n_sections;
-    long digits;
-    cns_places places;
-    long count;
-    const cns_numerics *numerics; /* NULL: by digits */
-    bool prove;
-} cns_events_spec;
-
-/* Events in 0 < t <= the problem's end. CNS_UNREACHED: the two runs differ from some event on; the events
- * before it stand. */
-cns_code cns_solve_events(const cns_problem *p, const cns_events_spec *spec, cns_events *events,
-                          cns_error *err);
-void cns_events_clear(cns_events *events);
 
 CNS_END_DECLS
 

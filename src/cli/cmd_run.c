@@ -11,6 +11,7 @@
 typedef struct run_context {
     cns_context *cx;
     cns_table *table; /* NULL: --yaml without -o */
+    cns_wanted wanted;
 } run_context;
 
 static void announce(run_context *r, const cns_run_info *run)
@@ -37,6 +38,9 @@ static cns_code on_begin(void *context, const cns_run_info *run, cns_error *err)
     run_context *r = context;
     r->cx->since = cns_seconds(); /* progress is that of this attempt */
     announce(r, run);
+    cns_code code = r->wanted.n > 0 ? cns_wanted_begin(&r->wanted, err) : CNS_OK;
+    if (code)
+        return code;
     return r->table ? cns_table_begin(r->table, run, err) : CNS_OK;
 }
 
@@ -44,6 +48,14 @@ static cns_code on_row(void *context, const cns_row *row, cns_error *err)
 {
     run_context *r = context;
     return r->table ? cns_table_row(r->table, row, err) : CNS_OK;
+}
+
+static cns_code on_event(void *context, const cns_event *event, cns_error *err)
+{
+    run_context *r = context;
+    (void)err;
+    cns_wanted_event(&r->wanted, r->cx->c->model, event);
+    return CNS_OK;
 }
 
 static void print_yaml(cns_summary *s, const cns_context *cx, const void *found)
@@ -77,22 +89,23 @@ static int run(cns_context *cx)
         fprintf(stderr, "%s:1:1: neither 'goal' nor 'numerics': `cns run` needs one of them\n", c->name);
         return CNS_USAGE;
     }
-    cns_wanted wanted = {0};
     if (o->events == NULL && o->sections.n > 0)
         status = cns_complain(CNS_USAGE, "--section names an event for --events FILE, which is missing");
     else if (o->events != NULL)
-        status = cns_wanted_open(&wanted, o, c->model);
+        status = cns_wanted_open(&r.wanted, o, c->model);
     if (status)
         return status;
     if (!o->yaml || o->output) {
         r.table = cns_table_open(o->output, c, &err);
         if (!r.table) {
-            cns_wanted_close(&wanted);
+            cns_wanted_close(&r.wanted);
             return cns_complain(err.code, "%s", err.text);
         }
     }
-    cns_sink sink = {.context = &r, .begin = on_begin, .row = on_row};
+    cns_sink sink = {.context = &r, .begin = on_begin, .row = on_row, .event = on_event};
     cx->problem.sink = &sink;
+    cx->problem.conditions = r.wanted.sections;
+    cx->problem.n_conditions = r.wanted.n;
     cns_code code = c->has_goal ? cns_solve_goal(&cx->problem, &c->goal, &result, &err)
                                 : cns_solve_numerics(&cx->problem, &c->numerics, o->prove, &result, &err);
 
@@ -100,20 +113,23 @@ static int run(cns_context *cx)
     if (gone)
         cns_meter_clear(&cx->meter);
     status = gone ? CNS_STOPPED + SIGPIPE : cns_context_status(cx, code, &err);
-    if (r.table && (gone || code == CNS_IO)) {
+    const char *reason = !code || result.complete ? NULL : err.text;
+    const bool abandoned = gone || code == CNS_IO;
+    if (r.table && abandoned) {
         cns_table_abandon(r.table);
     } else if (r.table) {
-        code = cns_table_close(r.table, !code || result.complete ? NULL : err.text, &io);
+        code = cns_table_close(r.table, reason, &io);
         if (code == CNS_STOPPED)
             status = CNS_STOPPED + SIGPIPE;
         else if (code)
             status = cns_complain(code, "%s", io.text);
     }
-    if (o->events != NULL && (status == CNS_OK || status == CNS_UNREACHED)) {
-        int written = cns_wanted_write(&wanted, cx, &result);
+    if (o->events != NULL && !abandoned) {
+        int written =
+            cns_wanted_write(&r.wanted, c, result.events_end.code ? result.events_end.text : reason);
         status = written ? written : status;
     }
-    cns_wanted_close(&wanted);
+    cns_wanted_close(&r.wanted);
     if (o->yaml && (status == CNS_OK || status == CNS_UNREACHED)) {
         int printed = cns_show(cx, &summary, &result);
         status = printed ? printed : status;
@@ -138,7 +154,7 @@ const cns_command cns_command_run = {
         "second run.\n"
         "--events writes a second table, when the first is complete: the moments at which the angle\n"
         "is a multiple of half a turn and its rate is zero (APW: theta = k pi, omega = 0), and those of\n"
-        "--section, with the states there; proven like the rows, by runs of its own. A section is\n"
+        "--section, with the states there; proven like the rows, by the same two runs. A section is\n"
         "STATE=VALUE, STATE=VALUE mod PERIOD, or STATE=extremum. `direction` is the sign of the\n"
         "change (at a maximum -1), 0 where the state only touches. For the events alone: -o /dev/null.\n",
     .options = CNS_TAKES(CNS_OPTION_OUTPUT_FILE, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_PROVE,

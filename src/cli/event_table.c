@@ -68,16 +68,35 @@ int cns_wanted_open(cns_wanted *w, const cns_options *o, const cns_model *model)
     return cns_complain(code, "%s", err.text);
 }
 
+static void forget_lines(cns_wanted *w)
+{
+    if (w->lines != NULL)
+        fclose(w->lines);
+    free(w->text);
+    w->lines = NULL;
+    w->text = NULL;
+}
+
 void cns_wanted_close(cns_wanted *w)
 {
+    forget_lines(w);
     for (int i = 0; w->sections != NULL && i < w->o->sections.n + 2; i++)
         cns_event_condition_clear(&w->sections[i]);
     free(w->sections);
     w->sections = NULL;
 }
 
-static void print_event(FILE *out, const cns_event *e, const cns_event_condition *s, const cns_model *model)
+cns_code cns_wanted_begin(cns_wanted *w, cns_error *err)
 {
+    forget_lines(w);
+    w->lines = open_memstream(&w->text, &w->size);
+    return w->lines != NULL ? CNS_OK : cns_fail(err, CNS_NUMERIC, "out of memory");
+}
+
+void cns_wanted_event(cns_wanted *w, const cns_model *model, const cns_event *e)
+{
+    FILE *out = w->lines;
+    const cns_event_condition *s = &w->sections[e->condition];
     const char *name = model->states[s->state].name;
     if (s->kind == CNS_CONDITION_EXTREMUM)
         fprintf(out, "%s extremum", name);
@@ -96,54 +115,30 @@ static void print_event(FILE *out, const cns_event *e, const cns_event_condition
         fprintf(out, ",\n");
 }
 
-static void print_table(FILE *out, const cns_wanted *w, const cns_context *s, const cns_events *events,
-                        bool proof, const char *reason)
+int cns_wanted_write(cns_wanted *w, const cns_case *c, const char *reason)
 {
-    const cns_case *c = s->c;
-    const cns_model *m = c->model;
+    cns_error err = {0};
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (out == NULL)
+        return cns_complain(CNS_NUMERIC, "out of memory");
     cns_provenance_begin(out, c, "events of ", CNS_PROVENANCE_EQUATIONS);
-    fprintf(out, proof
+    fprintf(out, c->has_goal || w->o->prove
                      ? "# proof: two runs of different precision and order; convergence under refinement and "
                        "measured growth, not interval arithmetic\n"
                      : "# UNPROVEN\n");
     fprintf(out, "event,direction,t");
-    for (int i = 0; i < m->n_states; i++)
-        fprintf(out, ",%s", m->states[i].name);
+    for (int i = 0; i < c->model->n_states; i++)
+        fprintf(out, ",%s", c->model->states[i].name);
     fprintf(out, ",decimals\n");
-    for (int i = 0; i < events->n; i++)
-        print_event(out, &events->event[i], &w->sections[events->event[i].section], m);
-    cns_provenance_end(out, reason);
-}
-
-int cns_wanted_write(const cns_wanted *w, cns_context *s, const cns_result *result)
-{
-    const cns_case *c = s->c;
-    cns_error err = {0}, io = {0};
-    cns_events events;
-    char *text = NULL;
-    size_t size = 0;
-    const bool proof = c->has_goal || w->o->prove;
-    const cns_events_spec spec = {.sections = w->sections,
-                                  .n_sections = w->n,
-                                  .digits = result->run.digits,
-                                  .places = c->has_goal ? c->goal.places : CNS_PLACES_DECIMALS,
-                                  .count = c->has_goal              ? c->goal.count
-                                           : c->numerics.digits > 0 ? c->numerics.digits
-                                                                    : 16,
-                                  .numerics = c->has_goal ? NULL : &c->numerics,
-                                  .prove = w->o->prove};
-    cns_code code = cns_solve_events(&s->problem, &spec, &events, &err);
-    int status = cns_context_status(s, code, &err);
-    FILE *out = open_memstream(&text, &size);
-    if (out == NULL) {
-        status = cns_complain(CNS_NUMERIC, "out of memory");
-    } else {
-        print_table(out, w, s, &events, proof, code ? err.text : NULL);
-        fclose(out);
-        if (cns_file_replace(w->o->events, text, &io))
-            status = cns_complain(io.code, "%s", io.text);
+    if (w->lines != NULL) {
+        fflush(w->lines);
+        fputs(w->text, out);
     }
+    cns_provenance_end(out, reason);
+    fclose(out);
+    cns_code code = cns_file_replace(w->o->events, text, &err);
     free(text);
-    cns_events_clear(&events);
-    return status;
+    return code ? cns_complain(code, "%s", err.text) : 0;
 }

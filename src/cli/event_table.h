@@ -5,18 +5,25 @@
 #include "cns/solve.h"
 #include "context.h"
 
-/* The sections that the command line asks for, and the model's own. */
+/* The conditions of --section and the model's own, and the lines of events that have been told. */
 typedef struct cns_wanted {
     const cns_options *o;
     int n;
     cns_event_condition *sections;
+    FILE *lines; /* into text */
+    char *text;
+    size_t size;
 } cns_wanted;
 
 /* An exit status; when it is not 0 the message is out and nothing is left to close. */
 int cns_wanted_open(cns_wanted *w, const cns_options *o, const cns_model *model);
 void cns_wanted_close(cns_wanted *w);
 
-/* Finds the events of the run that gave this result and writes their table. */
-int cns_wanted_write(const cns_wanted *w, cns_context *s, const cns_result *result);
+/* Forgets the lines of an attempt before. */
+cns_code cns_wanted_begin(cns_wanted *w, cns_error *err);
+void cns_wanted_event(cns_wanted *w, const cns_model *model, const cns_event *e);
+
+/* Writes the table; reason: why it ends too early, NULL: it does not. An exit status. */
+int cns_wanted_write(cns_wanted *w, const cns_case *c, const char *reason);
 
 #endif

@@ -13,7 +13,7 @@ enum { MOST_ROOTS = 64 }; /* of one condition in one step */
 static const double noise_factor_log2 = 6;
 
 struct cns_meetings {
-    cns_event_condition *section;
+    cns_event_condition *condition;
     int n, n_states;
     double *scales;
     mpfr_prec_t prec;
@@ -22,7 +22,7 @@ struct cns_meetings {
     int count, room;
     mpfr_t *p, *q, *d; /* polynomials: of the condition, deflated, derivative */
     int size;
-    mpfr_t value, unit, end, root, base, rest, x, y, tolerance;
+    mpfr_t value, unit, end, root, base, rest, x, y, curve, tolerance;
     mpfr_t found[MOST_ROOTS];
 };
 
@@ -48,30 +48,30 @@ void cns_event_condition_set(cns_event_condition *s, const cns_event_condition *
     cns_number_set(&s->period, &from->period);
 }
 
-cns_meetings *cns_meetings_new(const cns_event_condition *section, int n, int n_states, const double *scales,
-                               mpfr_prec_t prec, cns_error *err)
+cns_meetings *cns_meetings_new(const cns_event_condition *condition, int n, int n_states,
+                               const double *scales, mpfr_prec_t prec, cns_error *err)
 {
     for (int i = 0; i < n; i++)
-        if (section[i].state < 0 || section[i].state >= n_states ||
-            (section[i].kind == CNS_CONDITION_PERIODS && cns_number_sign(&section[i].period) <= 0)) {
-            cns_fail(err, CNS_USAGE, "section %d: no such state, or a period that is not positive", i);
+        if (condition[i].state < 0 || condition[i].state >= n_states ||
+            (condition[i].kind == CNS_CONDITION_PERIODS && cns_number_sign(&condition[i].period) <= 0)) {
+            cns_fail(err, CNS_USAGE, "condition %d: no such state, or a period that is not positive", i);
             return NULL;
         }
     cns_meetings *s = cns_xalloc(1, sizeof *s);
-    s->section = cns_xalloc((size_t)n + 1, sizeof *s->section);
+    s->condition = cns_xalloc((size_t)n + 1, sizeof *s->condition);
     s->sign = cns_xalloc((size_t)n + 1, sizeof *s->sign);
     s->scales = cns_xalloc((size_t)n_states + 1, sizeof *s->scales);
     s->n = n;
     s->n_states = n_states;
     s->prec = prec;
     for (int i = 0; i < n; i++) {
-        cns_event_condition_init(&s->section[i]);
-        cns_event_condition_set(&s->section[i], &section[i]);
+        cns_event_condition_init(&s->condition[i]);
+        cns_event_condition_set(&s->condition[i], &condition[i]);
     }
     for (int i = 0; i < n_states; i++)
         s->scales[i] = scales[i];
-    mpfr_inits2(prec, s->value, s->unit, s->end, s->root, s->base, s->rest, s->x, s->y, s->tolerance,
-                (mpfr_ptr)0);
+    mpfr_inits2(prec, s->value, s->unit, s->end, s->root, s->base, s->rest, s->x, s->y, s->curve,
+                s->tolerance, (mpfr_ptr)0);
     for (int i = 0; i < MOST_ROOTS; i++)
         mpfr_init2(s->found[i], prec);
     return s;
@@ -88,17 +88,18 @@ void cns_meetings_free(cns_meetings *s)
     if (s == NULL)
         return;
     for (int i = 0; i < s->n; i++)
-        cns_event_condition_clear(&s->section[i]);
+        cns_event_condition_clear(&s->condition[i]);
     for (int i = 0; i < s->room; i++)
         free_meeting(&s->meeting[i], s->n_states);
     cns_vector_free(s->p, s->size);
     cns_vector_free(s->q, s->size);
     cns_vector_free(s->d, s->size);
-    mpfr_clears(s->value, s->unit, s->end, s->root, s->base, s->rest, s->x, s->y, s->tolerance, (mpfr_ptr)0);
+    mpfr_clears(s->value, s->unit, s->end, s->root, s->base, s->rest, s->x, s->y, s->curve, s->tolerance,
+                (mpfr_ptr)0);
     for (int i = 0; i < MOST_ROOTS; i++)
         mpfr_clear(s->found[i]);
     free(s->meeting);
-    free(s->section);
+    free(s->condition);
     free(s->scales);
     free(s->sign);
     free(s);
@@ -220,11 +221,32 @@ static int first_sign(mpfr_t *p, int degree)
     return 0;
 }
 
-/* A meeting at u of the section, whose condition is p = 0; at_end: exactly at the end of the step. */
-static cns_code add(cns_meetings *s, cns_flow *f, int section, long k, int degree, mpfr_srcptr u, bool at_end,
-                    bool touch, cns_error *err)
+/* Is p, which has a root at u, so flat there that no crossing can be told from a touch? Its slope p' moves it
+ * by less than its noise in the whole step; and, as steps may be short beside a singularity, in the longer
+ * run the parabola with this slope and curvature leaves zero by no more than its noise, p'^2 / (2 |p''|),
+ * before it comes back. p' is left in s->x. */
+static bool is_touch(cns_meetings *s, int degree, mpfr_srcptr u)
 {
-    const cns_event_condition *sec = &s->section[section];
+    differentiate(s->d, s->p, degree);
+    horner(s->x, s->d, degree - 1, u);
+    mpfr_mul(s->y, s->x, s->end, MPFR_RNDN);
+    if (mpfr_cmpabs(s->y, s->tolerance) > 0)
+        return false;
+    if (degree < 2)
+        return mpfr_zero_p(s->x);
+    differentiate(s->d, s->d, degree - 1);
+    horner(s->y, s->d, degree - 2, u);
+    mpfr_mul(s->y, s->y, s->tolerance, MPFR_RNDN);
+    mpfr_mul_2ui(s->y, s->y, 1, MPFR_RNDN);
+    mpfr_sqr(s->curve, s->x, MPFR_RNDN);
+    return mpfr_cmpabs(s->curve, s->y) <= 0;
+}
+
+/* A meeting at u of the condition, whose condition is p = 0; at_end: exactly at the end of the step. */
+static cns_code add(cns_meetings *s, cns_flow *f, int condition, long k, int degree, mpfr_srcptr u,
+                    bool at_end, bool touch, cns_error *err)
+{
+    const cns_event_condition *sec = &s->condition[condition];
     if (s->count == s->room) {
         s->room = 2 * s->room + 4;
         s->meeting = cns_xgrow(s->meeting, (size_t)s->room, sizeof *s->meeting);
@@ -238,12 +260,10 @@ static cns_code add(cns_meetings *s, cns_flow *f, int section, long k, int degre
         }
     }
     cns_meeting *m = &s->meeting[s->count++];
-    m->section = section;
+    m->condition = condition;
     m->k = k;
-    differentiate(s->d, s->p, degree);
-    horner(s->x, s->d, degree - 1, at_end ? s->end : u);
-    mpfr_mul(s->y, s->x, s->end, MPFR_RNDN);
-    m->direction = touch || mpfr_cmpabs(s->y, s->tolerance) <= 0 ? 0 : mpfr_sgn(s->x);
+    const bool flat = is_touch(s, degree, at_end ? s->end : u);
+    m->direction = touch || flat ? 0 : mpfr_sgn(s->x);
     mpfr_div(s->x, s->x, s->unit, MPFR_RNDN);
     m->rate = mpfr_get_d(s->x, MPFR_RNDN);
     if (at_end) {
@@ -289,7 +309,7 @@ static bool joins_crossing(cns_meetings *s, cns_flow *f, int degree, const mpfr_
 /* The meetings with p = 0, p of this degree in s->p. before and after are the signs of p at both ends of the
  * step as the states tell them: neighbouring steps agree on those, so that no meeting at a joint is lost or
  * counted twice, whatever the rounding of p there. */
-static cns_code meet(cns_meetings *s, cns_flow *f, int section, long k, int degree, int before, int after,
+static cns_code meet(cns_meetings *s, cns_flow *f, int condition, long k, int degree, int before, int after,
                      cns_error *err)
 {
     int count;
@@ -313,10 +333,10 @@ static cns_code meet(cns_meetings *s, cns_flow *f, int section, long k, int degr
     if (after != 0 && (count % 2 ? -start : start) != after)
         at_end = start != 0;
     for (int i = 0; i < count && !code; i++)
-        code = add(s, f, section, k, degree, s->found[i], false, false, err);
+        code = add(s, f, condition, k, degree, s->found[i], false, false, err);
     if (at_end && !code)
-        code = add(s, f, section, k, degree, s->end, true, false, err);
-    if (code || degree < 2 || start == 0 || s->section[section].kind == CNS_CONDITION_EXTREMUM)
+        code = add(s, f, condition, k, degree, s->end, true, false, err);
+    if (code || degree < 2 || start == 0 || s->condition[condition].kind == CNS_CONDITION_EXTREMUM)
         return code;
     /* Where does it touch? At an extremum of p that is not on the way to a crossing. */
     const int first = s->count - count - at_end, crossings = s->count;
@@ -325,47 +345,47 @@ static cns_code meet(cns_meetings *s, cns_flow *f, int section, long k, int degr
     for (int i = 0; i < count && !code; i++)
         if (within_noise(s, degree, s->found[i]) &&
             !joins_crossing(s, f, degree, s->found[i], first, crossings))
-            code = add(s, f, section, k, degree, s->found[i], false, true, err);
+            code = add(s, f, condition, k, degree, s->found[i], false, true, err);
     return code;
 }
 
 /* p = 0 for one value of the state; s->p has the state's polynomial, its first coefficient is replaced. */
-static cns_code meet_value(cns_meetings *s, cns_flow *f, int section, long k, int degree, double span,
+static cns_code meet_value(cns_meetings *s, cns_flow *f, int condition, long k, int degree, double span,
                            cns_error *err)
 {
-    const int state = s->section[section].state;
+    const int state = s->condition[condition].state;
     mpfr_sub(s->p[0], cns_flow_begin_state(f)[state], s->value, MPFR_RNDN);
     if (fabs(mpfr_get_d(s->p[0], MPFR_RNDZ)) > span + 1e-280)
         return CNS_OK;
     const int before = mpfr_sgn(s->p[0]), after = mpfr_cmp(cns_flow_state(f)[state], s->value);
-    return meet(s, f, section, k, degree, before, after > 0 ? 1 : after < 0 ? -1 : 0, err);
+    return meet(s, f, condition, k, degree, before, after > 0 ? 1 : after < 0 ? -1 : 0, err);
 }
 
-static cns_code meet_periods(cns_meetings *s, cns_flow *f, int section, int degree, double span,
+static cns_code meet_periods(cns_meetings *s, cns_flow *f, int condition, int degree, double span,
                              cns_error *err)
 {
-    const cns_event_condition *sec = &s->section[section];
+    const cns_event_condition *sec = &s->condition[condition];
     const double period = cns_number_get_d(&sec->period), value = cns_number_get_d(&sec->value);
     const double x = mpfr_get_d(cns_flow_begin_state(f)[sec->state], MPFR_RNDN);
     const double low = ceil((x - span - value) / period - 1e-6),
                  high = floor((x + span - value) / period + 1e-6);
     if (!(fabs(low) < 1e15 && fabs(high) < 1e15 && high - low < 1e4))
-        return cns_fail(err, CNS_NUMERIC, "a state passes too many values of its section in one step");
+        return cns_fail(err, CNS_NUMERIC, "a state passes too many values of its condition in one step");
     for (long k = (long)low; k <= (long)high; k++) {
         cns_number_get_mpfr(s->x, &sec->period);
         mpfr_mul_si(s->x, s->x, k, MPFR_RNDN);
         cns_number_get_mpfr(s->value, &sec->value);
         mpfr_add(s->value, s->value, s->x, MPFR_RNDN);
-        cns_code code = meet_value(s, f, section, k, degree, span, err);
+        cns_code code = meet_value(s, f, condition, k, degree, span, err);
         if (code)
             return code;
     }
     return CNS_OK;
 }
 
-static cns_code meet_extremum(cns_meetings *s, cns_flow *f, int section, int degree, cns_error *err)
+static cns_code meet_extremum(cns_meetings *s, cns_flow *f, int condition, int degree, cns_error *err)
 {
-    int *sign = &s->sign[section];
+    int *sign = &s->sign[condition];
     for (int k = 1; k <= degree; k++)
         mpfr_mul_ui(s->p[k - 1], s->p[k], (unsigned long)k, MPFR_RNDN);
     degree--;
@@ -381,10 +401,10 @@ static cns_code meet_extremum(cns_meetings *s, cns_flow *f, int section, int deg
     cns_code code = CNS_OK;
     if (before != 0 && before != own) {
         mpfr_set_zero(s->root, 1);
-        code = add(s, f, section, 0, degree, s->root, false, false, err);
+        code = add(s, f, condition, 0, degree, s->root, false, false, err);
     }
     if (!code)
-        code = meet(s, f, section, 0, degree, own, after, err);
+        code = meet(s, f, condition, 0, degree, own, after, err);
     *sign = after;
     return code;
 }
@@ -393,7 +413,7 @@ static int by_time(const void *a, const void *b)
 {
     const cns_meeting *p = a, *q = b;
     const int order = mpfr_cmp(p->time, q->time);
-    return order != 0 ? order : (p->section > q->section) - (p->section < q->section);
+    return order != 0 ? order : (p->condition > q->condition) - (p->condition < q->condition);
 }
 
 cns_code cns_meetings_follow(cns_meetings *s, cns_flow *f, cns_error *err)
@@ -401,7 +421,7 @@ cns_code cns_meetings_follow(cns_meetings *s, cns_flow *f, cns_error *err)
     cns_code code = CNS_OK;
     s->count = 0;
     for (int i = 0; i < s->n && !code; i++) {
-        const cns_event_condition *sec = &s->section[i];
+        const cns_event_condition *sec = &s->condition[i];
         int degree;
         mpfr_t *c = cns_flow_polynomial(f, sec->state, &degree, s->unit);
         code = make_room(s, degree + 1, err);

@@ -14,8 +14,10 @@ struct cns_trajectory {
     cns_trajectory_spec spec;
     cns_flow *flow;
     cns_growth *growth;
+    cns_meetings *meetings;
+    int told; /* of the last step's meetings */
     cns_jet *outputs;
-    mpfr_t x;
+    mpq_t time;
     bool late;
 };
 
@@ -37,6 +39,38 @@ void cns_sample_clear(cns_sample *s)
     s->state = s->output = NULL;
 }
 
+/* The flow, and what follows it. False: *err says why. */
+static bool open_followers(cns_trajectory *t, cns_error *err)
+{
+    const cns_flow_spec *flow = &t->spec.flow;
+    t->flow = cns_flow_new(flow, err);
+    if (t->flow == NULL)
+        return false;
+    const mpfr_prec_t prec = cns_flow_prec(t->flow);
+    if (!t->spec.no_growth) {
+        t->growth = cns_growth_new(flow->program, flow->scales, err);
+        if (t->growth == NULL)
+            return false;
+    }
+    if (t->spec.n_conditions > 0) {
+        t->meetings = cns_meetings_new(t->spec.conditions, t->spec.n_conditions, cns_flow_states(t->flow),
+                                       flow->scales, prec, err);
+        if (t->meetings == NULL)
+            return false;
+    }
+    if (t->spec.outputs && cns_program_outputs(flow->program) > 0) {
+        const cns_jet_spec jet = {.program = flow->program,
+                                  .ops = cns_flow_reference_arith(flow),
+                                  .order = OUTPUT_ORDER,
+                                  .prec = prec,
+                                  .outputs = true};
+        t->outputs = cns_jet_new(&jet, err);
+        if (t->outputs == NULL)
+            return false;
+    }
+    return true;
+}
+
 cns_trajectory *cns_trajectory_new(const cns_trajectory_spec *spec, cns_error *err)
 {
     cns_trajectory *t = calloc(1, sizeof *t);
@@ -45,27 +79,13 @@ cns_trajectory *cns_trajectory_new(const cns_trajectory_spec *spec, cns_error *e
         return NULL;
     }
     t->spec = *spec;
-    t->flow = cns_flow_new(&spec->flow, err);
-    const bool follows = t->flow && !spec->no_growth;
-    t->growth = follows ? cns_growth_new(spec->flow.program, spec->flow.scales, err) : NULL;
-    mpfr_init2(t->x, t->flow ? cns_flow_prec(t->flow) : MPFR_PREC_MIN);
-    bool wanted = spec->outputs && cns_program_outputs(spec->flow.program) > 0;
-    const bool failed = !t->flow || (follows && !t->growth);
-    if (!failed && wanted) {
-        cns_jet_spec jet = {.program = spec->flow.program,
-                            .ops = cns_flow_reference_arith(&spec->flow),
-                            .order = OUTPUT_ORDER,
-                            .prec = cns_flow_prec(t->flow),
-                            .outputs = true};
-        t->outputs = cns_jet_new(&jet, err);
-    }
-    if (failed || (wanted && !t->outputs)) {
+    mpq_init(t->time);
+    if (!open_followers(t, err)) {
         cns_trajectory_free(t);
         return NULL;
     }
-    cns_flow_start(t->flow, spec->initial);
-    if (follows)
-        cns_growth_start(t->growth);
+    if (spec->initial)
+        cns_trajectory_start(t, spec->initial);
     return t;
 }
 
@@ -75,9 +95,20 @@ void cns_trajectory_free(cns_trajectory *t)
         return;
     cns_flow_free(t->flow);
     cns_growth_free(t->growth);
+    cns_meetings_free(t->meetings);
     cns_jet_free(t->outputs);
-    mpfr_clear(t->x);
+    mpq_clear(t->time);
     free(t);
+}
+
+void cns_trajectory_start(cns_trajectory *t, const cns_number *initial)
+{
+    cns_flow_start(t->flow, initial);
+    if (t->growth)
+        cns_growth_start(t->growth);
+    if (t->meetings)
+        cns_meetings_start(t->meetings);
+    t->told = 0;
 }
 
 static void evaluate_outputs(cns_trajectory *t, cns_sample *s)
@@ -99,23 +130,53 @@ static bool origin_is_due(const cns_trajectory *t)
            t->spec.end / CNS_GROWTH_ORIGINS * cns_growth_marks(t->growth);
 }
 
+/* spec.met for the meetings of the last step up to `until` (NULL: all) that have not been told. */
+static cns_code tell(cns_trajectory *t, mpq_srcptr until, cns_error *err)
+{
+    cns_code code = CNS_OK;
+    if (!t->meetings || !t->spec.met)
+        return code;
+    for (; !code && t->told < cns_meetings_count(t->meetings); t->told++) {
+        const cns_meeting *m = cns_meetings_meeting(t->meetings, t->told);
+        double growth, noise = -HUGE_VAL;
+        if (until && mpfr_cmp_q(m->time, until) > 0)
+            break;
+        mpfr_get_q(t->time, m->time);
+        if (!t->spec.no_growth)
+            code = cns_growth_at(t->growth, t->time, &growth, &noise, err);
+        if (!code)
+            code = t->spec.met(t->spec.met_context, m, noise, err);
+    }
+    return code;
+}
+
+cns_code cns_trajectory_tell_rest(cns_trajectory *t, cns_error *err)
+{
+    return tell(t, NULL, err);
+}
+
 cns_code cns_trajectory_step(cns_trajectory *t, cns_error *err)
 {
     if (t->spec.deadline != 0 && cns_seconds() > t->spec.deadline) {
         t->late = true;
         return cns_fail(err, CNS_STOPPED, "the time allowed is used up");
     }
-    cns_code code = cns_flow_step(t->flow, err);
+    cns_code code = tell(t, NULL, err);
+    if (!code)
+        code = cns_flow_step(t->flow, err);
     if (code)
         return code;
     if (t->spec.stepped)
         t->spec.stepped(t->spec.context, t->flow);
-    if (t->spec.no_growth)
-        return CNS_OK;
-    double noise = t->spec.unit_noise != 0 ? t->spec.unit_noise : cns_flow_noise_log2(t->flow);
-    code = cns_growth_follow(t->growth, t->flow, noise, err);
-    if (!code && t->spec.origins && origin_is_due(t))
-        code = cns_growth_mark(t->growth, err);
+    if (!t->spec.no_growth) {
+        double noise = t->spec.unit_noise != 0 ? t->spec.unit_noise : cns_flow_noise_log2(t->flow);
+        code = cns_growth_follow(t->growth, t->flow, noise, err);
+        if (!code && t->spec.origins && origin_is_due(t))
+            code = cns_growth_mark(t->growth, err);
+    }
+    if (!code && t->meetings)
+        code = cns_meetings_follow(t->meetings, t->flow, err);
+    t->told = 0;
     return code;
 }
 
@@ -133,6 +194,9 @@ cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, c
         if (code)
             return code;
     }
+    cns_code code = tell(t, time, err);
+    if (code)
+        return code;
     cns_trajectory_peek(t, time, s);
     s->growth = 0;
     s->error_log2 = -HUGE_VAL;
@@ -147,6 +211,16 @@ cns_flow *cns_trajectory_flow(cns_trajectory *t)
 cns_growth *cns_trajectory_growth(cns_trajectory *t)
 {
     return t->growth;
+}
+
+void cns_trajectory_leave_growth(cns_trajectory *t)
+{
+    t->spec.no_growth = true;
+}
+
+const cns_meetings *cns_trajectory_meetings(cns_trajectory *t)
+{
+    return t->meetings;
 }
 
 bool cns_trajectory_late(const cns_trajectory *t)

@@ -1,7 +1,9 @@
-/* A trajectory, row by row: a flow with its growth and its derived quantities. */
+/* A trajectory, row by row: a flow and what follows it, the growth of errors, its events and its derived
+ * quantities. */
 #ifndef CNS_INTEGRATE_TRAJECTORY_H
 #define CNS_INTEGRATE_TRAJECTORY_H
 
+#include "cns/events.h"
 #include "cns/flow.h"
 #include "growth.h"
 
@@ -16,7 +18,7 @@ typedef struct cns_trajectory cns_trajectory;
 
 typedef struct cns_trajectory_spec {
     cns_flow_spec flow;
-    const cns_number *initial; /* one per state; outlives the trajectory */
+    const cns_number *initial; /* one per state; NULL: cns_trajectory_start() will tell */
     bool origins;              /* follow growth from times spread evenly up to `end`, for planning */
     double end;
     bool outputs;      /* compute the program's outputs, too */
@@ -24,23 +26,39 @@ typedef struct cns_trajectory_spec {
     double unit_noise; /* if not 0, log2 of the noise of every step, instead of the flow's own */
     void (*stepped)(void *context, const cns_flow *f); /* called after each step; may be NULL */
     void *context;
-    double deadline; /* of cns_seconds(); 0: none. After it, CNS_STOPPED with stopped_late */
+    double deadline; /* of cns_seconds(); 0: none. After it, CNS_STOPPED, and cns_trajectory_late() */
+    const cns_event_condition *conditions; /* whose meetings are found in every step; copied. NULL: none */
+    int n_conditions;
+    /* Called for each meeting, in order of time and before any sample later than it, with log2 of the error
+     * that noise has grown to there (-HUGE_VAL: growth is not followed); may be NULL. */
+    cns_code (*met)(void *context, const cns_meeting *m, double noise_log2, cns_error *err);
+    void *met_context;
 } cns_trajectory_spec;
 
 cns_trajectory *cns_trajectory_new(const cns_trajectory_spec *spec, cns_error *err);
 void cns_trajectory_free(cns_trajectory *t);
 
+/* Back to t = 0, with these states. */
+void cns_trajectory_start(cns_trajectory *t, const cns_number *initial);
+
 /* Integrates as far as needed and evaluates at `time`; times must not decrease. */
 cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, cns_error *err);
 
-/* The same in its parts, to look between the ends of steps: one step and its growth; the states and outputs
- * (not growth and error) at a time within the last step, any number of times in any order. */
+/* spec.met for those meetings of the last step that are later than the last sample. */
+cns_code cns_trajectory_tell_rest(cns_trajectory *t, cns_error *err);
+
+/* The same in its parts, to look between the ends of steps: one step, its growth and its meetings; the states
+ * and outputs (not growth and error) at a time within the last step, any number of times in any order. */
 cns_code cns_trajectory_step(cns_trajectory *t, cns_error *err);
 void cns_trajectory_peek(cns_trajectory *t, const mpq_t time, cns_sample *s);
 
+/* From now on growth is not followed; what it costs is saved. */
+void cns_trajectory_leave_growth(cns_trajectory *t);
+
 cns_flow *cns_trajectory_flow(cns_trajectory *t);
-cns_growth *cns_trajectory_growth(cns_trajectory *t);
-bool cns_trajectory_late(const cns_trajectory *t); /* was the deadline the reason? */
+cns_growth *cns_trajectory_growth(cns_trajectory *t);           /* NULL: not followed from the beginning */
+const cns_meetings *cns_trajectory_meetings(cns_trajectory *t); /* of the last step; NULL: no conditions */
+bool cns_trajectory_late(const cns_trajectory *t);              /* was the deadline the reason? */
 
 bool cns_sample_init(cns_sample *s, const cns_program *p, mpfr_prec_t prec); /* false: out of memory */
 void cns_sample_clear(cns_sample *s);

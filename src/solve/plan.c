@@ -6,6 +6,7 @@
 #include "core/clock.h"
 #include "core/monitor.h"
 #include "cost.h"
+#include "events.h"
 #include "integrate/numerics.h"
 #include "integrate/rows.h"
 #include "num/logs.h"
@@ -20,22 +21,23 @@ enum {
     WINDOWS = 64
 };
 
-/* The text of column c of a sample needs so many decimals beyond the goal's count. */
-static double extra_places(const cns_problem *p, const cns_goal *goal, const cns_sample *s)
+/* The decimals that the goal asks for in x: significant digits of a small number are more. */
+static double places_of(const cns_goal *goal, mpfr_srcptr x)
 {
-    double most = 0;
-    if (goal->places == CNS_PLACES_DECIMALS)
-        return 0;
+    const double count = (double)goal->count;
+    if (goal->places == CNS_PLACES_DECIMALS || !mpfr_regular_p(x))
+        return count;
+    return count + fmax(0, -cns_log2_mpfr(x) * CNS_LOG10_2);
+}
+
+static double places_of_row(const cns_problem *p, const cns_goal *goal, const cns_sample *s)
+{
+    double most = (double)goal->count;
     for (int i = 0; i < cns_columns(p); i++) {
         const cns_column c = cns_column_at(p, i);
-        if (c.kind == CNS_COLUMN_TIME)
-            continue;
-        mpfr_srcptr x = c.kind == CNS_COLUMN_STATE ? s->state[c.index] : s->output[c.index];
-        long e;
-        if (!mpfr_regular_p(x))
-            continue;
-        double m = fabs(mpfr_get_d_2exp(&e, x, MPFR_RNDN));
-        most = fmax(most, -cns_log10_2exp(m, e));
+        if (c.kind != CNS_COLUMN_TIME)
+            most = fmax(most,
+                        places_of(goal, c.kind == CNS_COLUMN_STATE ? s->state[c.index] : s->output[c.index]));
     }
     return most;
 }
@@ -43,19 +45,44 @@ static double extra_places(const cns_problem *p, const cns_goal *goal, const cns
 /* The digits that noise made from each origin on may cost any later row: what it grows to, at most, and a
  * margin for the part of the way that the preliminary run cannot know. */
 typedef struct needs {
+    const cns_problem *p;
+    const cns_goal *goal;
+    cns_growth *growth;
+    double most; /* of noise made anywhere */
     int n;
     double time[CNS_GROWTH_ORIGINS];
-    double from[CNS_GROWTH_ORIGINS]; /* the goal's places and the growth to the row that needs most */
+    double from[CNS_GROWTH_ORIGINS]; /* the goal's places and the growth to where it needs most */
 } needs;
 
-static void add_needs(needs *need, cns_growth *g, double places)
+/* Of a row or an event: places, and what noise has grown to there, by the last cns_growth_at(). */
+static void add_needs(needs *need, double places, double noise_log2)
 {
+    cns_growth *g = need->growth;
+    need->most = fmax(need->most, places + fmax(0, noise_log2 * CNS_LOG10_2));
     for (; need->n < cns_growth_marks(g); need->n++) {
         need->time[need->n] = cns_growth_origin(g, need->n);
         need->from[need->n] = places;
     }
     for (int i = 0; i < need->n; i++)
         need->from[i] = fmax(need->from[i], places + fmax(0, cns_growth_since(g, i)));
+}
+
+static cns_code add_event_needs(void *context, const cns_meeting *m, double noise_log2, cns_error *err)
+{
+    needs *need = context;
+    const int n = cns_program_states(cns_system_program(need->p->system)),
+              own = need->p->conditions[m->condition].state;
+    double places = places_of(need->goal, m->time);
+    (void)err;
+    for (int i = 0; i < n; i++)
+        if (i != own) /* which is exact, or found again by raising the digits */
+            places = fmax(places, places_of(need->goal, m->state[i]));
+    if (m->direction == 0) /* a touch moves by the root of the noise */
+        places *= 2;
+    const double loss = cns_event_loss_log2(need->p, m) * CNS_LOG10_2;
+    if (isfinite(loss))
+        add_needs(need, places + loss, noise_log2);
+    return CNS_OK;
 }
 
 /* Digits for steps that begin in each part of [0, end]. Noise of many steps adds up, as a random walk. */
@@ -92,11 +119,16 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
                                 .deadline = goal->max_time > 0 ? cns_seconds() + goal->max_time : 0,
                                 .origins = true,
                                 .end = cns_number_get_d(p->end),
+                                .conditions = p->conditions,
+                                .n_conditions = p->n_conditions,
+                                .met = add_event_needs,
                                 .stepped = cns_tally_step,
                                 .unit_noise = -1e-9}; /* one unit per step */
     const double since = cns_thread_seconds();
     cns_tally tally = {.spec = &spec.flow, .end = spec.end};
+    needs need = {.p = p, .goal = goal, .most = (double)goal->count};
     spec.context = &tally;
+    spec.met_context = &need;
     spec.flow.portable = true;
     spec.flow.stop = cns_monitor_stop(p->monitor);
     spec.flow.order = DOUBLE_ORDER;
@@ -120,11 +152,11 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
      * kind: growth there is known in the mean, and fluctuates about it like a random walk whose variance
      * per unit of time is that of the increments seen. */
     cns_error failure = {0};
-    double end = cns_number_get_d(p->end), need = 0, growth = 0, trusted = end;
+    double end = cns_number_get_d(p->end), growth = 0, trusted = end;
     double window = end / WINDOWS, window_start = 0, at_start = 0, sum = 0, sum2 = 0;
     int windows = 0;
-    needs by_origin = {0};
     cns_code code = CNS_OK;
+    need.growth = cns_trajectory_growth(t);
     for (unsigned long row = 0; !code && cns_row_time(cns_every(p), p->end, row, time); row++) {
         code = cns_trajectory_at(t, time, &s, &failure);
         if (code)
@@ -142,9 +174,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         if (trusted >= end && g > CNS_DOUBLE_DIGITS - 3)
             trusted = now;
         growth = fmax(growth, g);
-        const double places = (double)goal->count + extra_places(p, goal, &s);
-        need = fmax(need, places + g);
-        add_needs(&by_origin, cns_trajectory_growth(t), places);
+        add_needs(&need, places_of_row(p, goal, &s), s.error_log2);
     }
     if (code == CNS_STOPPED) {
         code = cns_trajectory_late(t) ? cns_fail(err, CNS_UNREACHED, "max_time is used up while planning")
@@ -154,15 +184,14 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         if (code)
             *err = failure;
         code = CNS_OK;
-        need = fmax(need, (double)goal->count);
         double mean = end > 0 ? sum / end : 0;
         double variance = windows > 1 ? fmax(0, (sum2 - mean * sum) / windows) : 0;
         double untrusted = fmax(0, end - trusted);
         plan->growth = growth;
         plan->margin = 3.5 * sqrt(variance * untrusted);
-        fill_schedule(schedule, &by_origin, end, sqrt(variance), trusted,
+        fill_schedule(schedule, &need, end, sqrt(variance), trusted,
                       (double)cns_flow_steps(cns_trajectory_flow(t)));
-        long digits = (long)ceil(need + plan->margin) + SPARE_DIGITS + 2;
+        long digits = (long)ceil(need.most + plan->margin) + SPARE_DIGITS + 2;
         if (digits < LEAST_DIGITS)
             digits = LEAST_DIGITS;
         /* Neither estimate is exact: the first part takes the larger, and no part has more. */

@@ -16,8 +16,12 @@ struct cns_ahead {
     unsigned long row; /* the next to compute */
     bool threaded;
     volatile sig_atomic_t halt; /* what the thread's flow looks at */
-    cns_sample ring[RING];
-    int ready;                /* rings initialised */
+    struct {
+        cns_sample sample;
+        cns_found_list found; /* since the sample before */
+    } ring[RING];
+    int ready;                /* places in the ring that are initialised */
+    cns_found_list found;     /* on the way to the next row */
     unsigned long made, used; /* samples; made - used <= RING - 1 are waiting, and one is in use */
     cns_code code;            /* of the sample after the last made */
     cns_error err;
@@ -32,7 +36,10 @@ static cns_code make(cns_ahead *a, cns_error *err)
     mpq_t time;
     mpq_init(time);
     cns_row_time(cns_every(a->p), a->p->end, a->row, time);
-    cns_code code = cns_trajectory_at(a->t, time, &a->ring[a->made % RING], err);
+    cns_code code = cns_trajectory_at(a->t, time, &a->ring[a->made % RING].sample, err);
+    if (!code && mpq_equal(time, a->p->end->ratio))
+        code = cns_trajectory_tell_rest(a->t, err);
+    cns_found_move(&a->ring[a->made % RING].found, &a->found);
     mpq_clear(time);
     a->row++;
     return code;
@@ -73,6 +80,9 @@ cns_ahead *cns_ahead_new(const cns_problem *p, const cns_trajectory_spec *spec, 
         return NULL;
     }
     cns_trajectory_spec own = *spec;
+    own.met = cns_found_add;
+    own.met_context = &a->found;
+    a->found.n_states = cns_program_states(cns_system_program(p->system));
     if (threaded)
         own.flow.stop = &a->halt;
     a->p = p;
@@ -82,7 +92,7 @@ cns_ahead *cns_ahead_new(const cns_problem *p, const cns_trajectory_spec *spec, 
     a->t = cns_trajectory_new(&own, err);
     mpfr_prec_t prec = a->t ? cns_flow_prec(cns_trajectory_flow(a->t)) : 0;
     for (; a->t && a->ready < RING; a->ready++)
-        if (!cns_sample_init(&a->ring[a->ready], cns_system_program(p->system), prec)) {
+        if (!cns_sample_init(&a->ring[a->ready].sample, cns_system_program(p->system), prec)) {
             cns_fail(err, CNS_NUMERIC, "out of memory");
             break;
         }
@@ -105,8 +115,11 @@ void cns_ahead_free(cns_ahead *a)
         pthread_mutex_unlock(&a->lock);
         pthread_join(a->thread, NULL);
     }
-    for (int i = 0; i < a->ready; i++)
-        cns_sample_clear(&a->ring[i]);
+    for (int i = 0; i < a->ready; i++) {
+        cns_sample_clear(&a->ring[i].sample);
+        cns_found_clear(&a->ring[i].found);
+    }
+    cns_found_clear(&a->found);
     cns_trajectory_free(a->t);
     pthread_cond_destroy(&a->changed);
     pthread_mutex_destroy(&a->lock);
@@ -130,7 +143,7 @@ static void await(cns_ahead *a)
     }
 }
 
-cns_code cns_ahead_next(cns_ahead *a, const cns_sample **s, cns_error *err)
+cns_code cns_ahead_next(cns_ahead *a, const cns_sample **s, cns_found_list *found, cns_error *err)
 {
     cns_code code = CNS_OK;
     pthread_mutex_lock(&a->lock);
@@ -143,8 +156,9 @@ cns_code cns_ahead_next(cns_ahead *a, const cns_sample **s, cns_error *err)
         code = make(a, err);
         a->made += !code;
     }
-    *s = &a->ring[a->used % RING];
+    *s = &a->ring[a->used % RING].sample;
     if (!code) {
+        cns_found_move(found, &a->ring[a->used % RING].found);
         a->used++;
         pthread_cond_broadcast(&a->changed);
     }

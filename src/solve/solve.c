@@ -10,6 +10,7 @@
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/monitor.h"
+#include "events.h"
 #include "integrate/numerics.h"
 #include "integrate/rows.h"
 #include "num/decimal_text.h"
@@ -36,8 +37,30 @@ typedef struct walk {
     mpq_t time;
     mpfr_t error; /* e */
     char **text;
-    cns_bounded *value; /* scratch, of columns */
+    cns_bounded *value;                /* scratch, of columns */
+    cns_found_list found, found_again; /* events not told yet: of the printed run, of the other */
+    mpq_t before;                      /* the last row's time */
+    long told;                         /* events */
 } walk;
+
+/* A row, or an event found on the way to it: its number, from 0; -1: the row itself. */
+typedef struct item {
+    unsigned long row;
+    long event;
+} item;
+
+/* What rows and events are to have, and what has fewer places. */
+typedef struct demand {
+    cns_places places;
+    long count;                /* of the goal, or the most that is looked for */
+    bool raise;                /* with fewer the walk ends: another one follows, with more digits */
+    unsigned long row;         /* the next; those before are final */
+    long passed;               /* events before this one have been told, by this or an earlier attempt */
+    item last, now;            /* where the attempt before ended like that; where this one has */
+    bool excused;              /* `last` gets fewer: more digits have not helped */
+    double missing;            /* places, at `now`; 0: nothing */
+    bool few_rows, few_events; /* some have been told with fewer */
+} demand;
 
 /* Both runs to w->time; w->error becomes e. */
 static cns_code walk_to(walk *w, cns_error *err)
@@ -45,13 +68,12 @@ static cns_code walk_to(walk *w, cns_error *err)
     cns_code code = cns_trajectory_at(w->fine, w->time, &w->s, err);
     if (code || !w->coarse)
         return code;
-    code = cns_ahead_next(w->coarse, &w->c, err);
+    code = cns_ahead_next(w->coarse, &w->c, &w->found_again, err);
     if (!code && w->explain)
         code = cns_proof_explained(w->p, &w->s, w->c, mpq_get_d(w->time), err);
     if (code)
         return code;
-    /* The noise of a method that does not estimate its truncation is no bound. */
-    const double noise = w->explain ? w->c->error_log2 : -HUGE_VAL;
+    const double noise = w->c->error_log2;
     mpfr_set_zero(w->error, 1);
     for (int i = 0; i < w->s.n_states; i++)
         cns_proof_error(w->error, w->s.state[i], w->c->state[i], noise);
@@ -184,14 +206,19 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
     cns_trajectory_spec spec = {.flow = runs->fine,
                                 .initial = cns_system_initial(p->system),
                                 .outputs = cns_wants_outputs(p),
-                                .no_growth =
-                                    runs->proof, /* the coarser run's will do: it is the same trajectory */
+                                .no_growth = runs->proof, /* the coarser run tells */
+                                .conditions = p->conditions,
+                                .n_conditions = p->n_conditions,
+                                .met = cns_found_add,
+                                .met_context = &w->found,
                                 .deadline = deadline};
     *w = (walk){.p = p,
                 .explain = runs->proof && runs->coarse.method == CNS_METHOD_TAYLOR,
                 .digits = runs->fine.arithmetic == CNS_ARITH_DOUBLE ? DOUBLE_PRINTED : runs->fine_digits};
-    mpq_init(w->time);
+    mpq_inits(w->time, w->before, (mpq_ptr)0);
     mpfr_init2(w->error, ERROR_BITS);
+    w->found.n_states = cns_program_states(cns_system_program(p->system));
+    result->events_end = (cns_error){0};
     w->text = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->text);
     w->value = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->value);
     describe(&result->run, runs);
@@ -219,7 +246,9 @@ static void walk_close(walk *w, cns_result *result)
     cns_trajectory_free(w->fine);
     cns_ahead_free(w->coarse);
     cns_sample_clear(&w->s);
-    mpq_clear(w->time);
+    cns_found_clear(&w->found);
+    cns_found_clear(&w->found_again);
+    mpq_clears(w->time, w->before, (mpq_ptr)0);
     mpfr_clear(w->error);
     for (int i = 0; i < cns_columns(w->p); i++)
         free(w->text[i]);
@@ -227,118 +256,193 @@ static void walk_close(walk *w, cns_result *result)
     free(w->value);
 }
 
-/* One attempt at a goal from row *row on (rows before are final). Returns CNS_OK with *shortage > 0 when the
- * digits do not suffice at *row and may be raised. last: they may not; tie: row *row may have fewer places.
- */
-static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_schedule *schedule, bool last,
-                        bool tie, double deadline, unsigned long *row, double *shortage, cns_result *result,
-                        cns_error *err)
+/* An item has fewer places than asked for, by so many. Does the walk end there? */
+static bool falls_short(demand *d, item at, double missing)
 {
-    const unsigned long short_row = *row;
+    const bool again = d->last.row == at.row && d->last.event == at.event;
+    if (!d->raise || (at.event >= 0 && at.event < d->passed) || (d->excused && again))
+        return false;
+    d->now = at;
+    d->missing = fmax(1, missing);
+    return true;
+}
+
+/* Places that are missing, from those found (-1: none) and the error's bound. */
+static double missing_places(const demand *d, long found, double error_log10)
+{
+    const double have = d->places == CNS_PLACES_DECIMALS && isfinite(error_log10) ? -error_log10
+                        : found > 0                                               ? (double)found
+                                                                                  : 0;
+    return (double)d->count - have;
+}
+
+/* The first of the events that are not told yet, if it is proven; false: it waits, falls short, or ends them.
+ */
+static bool prove_event(walk *w, demand *d, long *places, cns_result *result)
+{
+    const cns_found *f = &w->found.at[w->found.first];
+    const int partner = cns_event_partner(&w->found, &w->found_again);
+    double error_log10 = HUGE_VAL;
+    *places = -1;
+    if (partner >= 0)
+        *places = cns_event_places(w->p, f, &w->found_again.at[partner], d->places, d->count, &error_log10);
+    else if (!mpq_equal(w->time, w->p->end->ratio) && mpfr_cmp_q(f->m.time, w->before) > 0)
+        return false; /* the coarser run may meet it just behind the row */
+    /* A touch moves by the root of the noise: it takes two digits for each. */
+    const double missing = missing_places(d, *places, error_log10) * (f->m.direction == 0 ? 2 : 1);
+    if (*places < d->count && falls_short(d, (item){d->row, w->told}, missing))
+        return false;
+    d->few_events = d->few_events || *places < d->count;
+    if (*places < 0) {
+        cns_fail(&result->events_end, CNS_UNREACHED, "the two runs do not agree on the event at t = %.12g",
+                 mpfr_get_d(f->m.time, MPFR_RNDN));
+        return false;
+    }
+    cns_found_drop(&w->found_again, partner);
+    return true;
+}
+
+/* Tells the events up to the row that is reached, in order. */
+static cns_code tell_events(walk *w, demand *d, cns_result *result, cns_error *err)
+{
+    cns_code code = CNS_OK;
+    long places = -1;
+    while (!code && w->found.first < w->found.n && !result->events_end.code) {
+        if (w->coarse && !prove_event(w, d, &places, result))
+            break;
+        code = cns_event_tell(w->p, &w->found.at[w->found.first].m, d->places, places, w->digits, err);
+        cns_found_drop(&w->found, w->found.first);
+        w->told++;
+    }
+    if (result->events_end.code) {
+        cns_found_clear(&w->found);
+        cns_found_clear(&w->found_again);
+    }
+    return code;
+}
+
+/* From row d->row on to the end, or to where something falls short (d->missing > 0). */
+static cns_code go(walk *w, demand *d, cns_result *result, cns_error *err)
+{
+    const cns_problem *p = w->p;
+    cns_code code = CNS_OK;
+    d->few_events = false;
+    d->missing = 0;
+    while (!code && cns_row_time(cns_every(p), p->end, d->row, w->time)) {
+        long places = -1;
+        code = walk_to(w, err);
+        if (!code)
+            code = tell_events(w, d, result, err);
+        if (code || d->missing > 0)
+            return code;
+        if (w->coarse) {
+            places = proven_places(w, d->places, d->count);
+            const double missing = missing_places(d, places, cns_log2_mpfr(w->error) * CNS_LOG10_2);
+            if (places < d->count && falls_short(d, (item){d->row, -1}, missing))
+                return CNS_OK;
+            if (places < 0)
+                return cns_fail(err, CNS_UNREACHED,
+                                "no decimal can be proven from t = %.12g on with %ld digits",
+                                mpq_get_d(w->time), result->run.digits);
+            d->few_rows = d->few_rows || places < d->count;
+        }
+        code = emit(w, d->row, d->places, places, result, err);
+        d->row++;
+        mpq_set(w->before, w->time);
+        progress(w, result);
+    }
+    return code;
+}
+
+/* One attempt at a goal, from row d->row on. */
+static cns_code attempt(const cns_problem *p, const cns_schedule *schedule, demand *d, double deadline,
+                        cns_result *result, cns_error *err)
+{
     cns_proof_runs runs;
     walk w;
     cns_proof_of_goal(&runs, p, result->run.digits, schedule);
-    *shortage = 0;
-    cns_code code = walk_open(&w, p, &runs, *row, deadline, result, err);
-    while (!code && cns_row_time(cns_every(p), p->end, *row, w.time)) {
-        code = walk_to(&w, err);
-        if (code)
-            break;
-        long places = proven_places(&w, goal->places, goal->count);
-        if (places < goal->count && !last && !(tie && *row == short_row)) {
-            double have = goal->places == CNS_PLACES_DECIMALS ? -cns_log2_mpfr(w.error) * CNS_LOG10_2
-                          : places < 0                        ? 0
-                                                              : (double)places;
-            *shortage = fmax(1, (double)goal->count - have);
-            break;
-        }
-        if (places < 0) {
-            code = cns_fail(err, CNS_UNREACHED, "no decimal can be proven from t = %.12g on with %ld digits",
-                            mpq_get_d(w.time), result->run.digits);
-            break;
-        }
-        result->reached = result->reached && places >= goal->count;
-        code = emit(&w, *row, goal->places, places, result, err);
-        ++*row;
-        progress(&w, result);
-    }
+    cns_code code = walk_open(&w, p, &runs, d->row, deadline, result, err);
+    if (!code)
+        code = go(&w, d, result, err);
     if (code == CNS_STOPPED && (cns_trajectory_late(w.fine) || cns_ahead_late(w.coarse)))
         code = cns_fail(err, CNS_UNREACHED, "max_time is used up at t = %.12g", mpq_get_d(w.time));
+    d->passed = w.told > d->passed ? w.told : d->passed;
     walk_close(&w, result);
     cns_proof_runs_clear(&runs);
     return code;
 }
 
+/* What is said of a walk that came to its end. */
+static cns_code conclude(const demand *d, const cns_result *result, cns_error *err)
+{
+    if (result->events_end.code)
+        return cns_fail(err, result->events_end.code, "%s", result->events_end.text);
+    if (result->reached)
+        return CNS_OK;
+    return cns_fail(err, CNS_UNREACHED, "some %s have fewer than the %ld %s asked for",
+                    !d->few_events ? "rows"
+                    : d->few_rows  ? "rows and events"
+                                   : "events",
+                    d->count, d->places == CNS_PLACES_DECIMALS ? "decimals" : "significant digits");
+}
+
 cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *result, cns_error *err)
 {
-    double since = cns_seconds(), deadline = goal->max_time > 0 ? since + goal->max_time : 0, shortage = 0;
-    unsigned long row = 0, short_row = 0;
+    const double since = cns_seconds(), deadline = goal->max_time > 0 ? since + goal->max_time : 0;
+    const long least = CNS_ANOTHER_LIMB + 4, most = goal->max_digits > 0 ? goal->max_digits : LONG_MAX;
     int stuck = 0;
     bool doubted = false;
     long digits[CNS_PLAN_PARTS];
     cns_schedule schedule = {.digits = digits};
-    *result = (cns_result){.decimals = -1, .reached = true};
+    demand d = {.places = goal->places, .count = goal->count};
+    *result = (cns_result){.decimals = -1};
     cns_code code = cns_plan(p, goal, &result->run, &schedule, err);
     while (!code) {
-        const long most = goal->max_digits > 0 ? goal->max_digits : LONG_MAX;
-        bool last = result->run.digits >= most || result->run.attempt > RAISES;
+        d.raise = result->run.digits < most && result->run.attempt <= RAISES;
         if (result->run.digits > most)
-            result->run.digits = most > CNS_ANOTHER_LIMB + 4 ? most : CNS_ANOTHER_LIMB + 4;
-        code = attempt(p, goal, &schedule, last, stuck >= 2, deadline, &row, &shortage, result, err);
-        if (code == CNS_NUMERIC && !doubted && !last) {
+            result->run.digits = most > least ? most : least;
+        code = attempt(p, &schedule, &d, deadline, result, err);
+        if (code == CNS_NUMERIC && !doubted && d.raise) {
             /* Digits lost in the problem itself can look like an error, or like a singularity: ask again with
              * more before saying so. */
             doubted = true;
             code = CNS_OK;
-            shortage = 10 + (double)result->run.digits / 2;
+            d.now = (item){d.row, -1};
+            d.missing = 10 + (double)result->run.digits / 2;
         }
-        if (code || shortage <= 0) {
-            result->complete = !code;
+        if (code || d.missing <= 0)
             break;
-        }
-        /* A raise makes up for what was short, and more: a row that is short still has a value that
-         * straddles, a tie or a zero. Two raises decide that, and it gets fewer places. */
-        stuck = row == short_row && result->run.attempt > 1 ? stuck + 1 : 0;
-        short_row = row;
+        /* A raise makes up for what was missing, and more: what is short still has a value that straddles, a
+         * tie or a zero. Two raises decide that, and it gets fewer places. */
+        const bool again = d.now.row == d.last.row && d.now.event == d.last.event;
+        stuck = again && result->run.attempt > 1 ? stuck + 1 : 0;
+        d.excused = stuck >= 2;
+        d.last = d.now;
         result->run.planned = false;
         result->run.attempt++;
-        result->run.digits += (long)ceil(1.2 * shortage) + 6 + result->run.digits / 30;
+        result->run.digits += (long)ceil(1.2 * d.missing) + 6 + result->run.digits / 30;
     }
+    result->complete = !code;
+    result->reached = result->complete && !d.few_rows && !d.few_events;
     result->wall_s = cns_seconds() - since;
-    if (!code && !result->reached)
-        code = cns_fail(err, CNS_UNREACHED, "some rows have fewer than the %ld %s asked for", goal->count,
-                        goal->places == CNS_PLACES_DECIMALS ? "decimals" : "significant digits");
-    return code;
+    return code ? code : conclude(&d, result, err);
 }
 
 cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool prove, cns_result *result,
                             cns_error *err)
 {
-    double since = cns_seconds();
+    const double since = cns_seconds();
     cns_proof_runs runs;
     walk w;
     *result = (cns_result){.decimals = -1, .run = {.attempt = 1}};
     cns_proof_of_numerics(&runs, p, n, prove);
+    demand d = {.places = CNS_PLACES_DECIMALS, .count = runs.coarse_digits};
     cns_code code = walk_open(&w, p, &runs, 0, 0, result, err);
-    for (unsigned long row = 0; !code && cns_row_time(cns_every(p), p->end, row, w.time); row++) {
-        long places = -1;
-        code = walk_to(&w, err);
-        if (code)
-            break;
-        if (prove) {
-            places = proven_places(&w, CNS_PLACES_DECIMALS, runs.coarse_digits);
-            if (places < 0) {
-                code = cns_fail(err, CNS_UNREACHED, "no decimal can be proven from t = %.12g on",
-                                mpq_get_d(w.time));
-                break;
-            }
-        }
-        code = emit(&w, row, CNS_PLACES_DECIMALS, places, result, err);
-        progress(&w, result);
-    }
+    if (!code)
+        code = go(&w, &d, result, err);
     walk_close(&w, result);
     cns_proof_runs_clear(&runs);
-    result->complete = !code;
+    result->complete = result->reached = !code;
     result->wall_s = cns_seconds() - since;
-    return code;
+    return code ? code : conclude(&d, result, err);
 }

@@ -8,6 +8,7 @@
 #include "core/memory.h"
 #include "core/monitor.h"
 #include "cycle.h"
+#include "integrate/trajectory.h"
 #include "num/decimal_text.h"
 #include "num/logs.h"
 #include "returns.h"
@@ -119,12 +120,10 @@ static cns_code measure(const cns_return_map *S, const cns_late *late, const cns
                         measures *m, cns_error *err)
 {
     const mpfr_prec_t prec = cns_modes_bits(digits);
-    const cns_flow_spec spec = cns_return_map_flow(S, S->program, S->scales, digits);
     const long wanted = repetitions(S, c) * c->returns;
     const int swinging = S->motion != NULL ? S->motion->angle : S->observable;
     cns_number *start = cns_xalloc((size_t)S->n, sizeof *start);
     cns_event_condition sections[3];
-    cns_code code = CNS_OK;
     long turns, seen = 0;
     *m = (measures){.drift = 2, .n = 2 + S->n};
     for (int i = 0; i < 2 + 2 * CNS_MOTION_EXTREMA; i++) {
@@ -145,27 +144,25 @@ static cns_code measure(const cns_return_map *S, const cns_late *late, const cns
         sections[k].kind = CNS_CONDITION_EXTREMUM;
         sections[k].state = k == 1 ? S->observable : swinging;
     }
-    cns_flow *f = cns_flow_new(&spec, err);
-    cns_meetings *s = cns_meetings_new(sections, 3, S->n, S->scales, prec, err);
-    if (f == NULL || s == NULL)
-        code = err->code;
-    if (!code) {
-        cns_flow_start(f, start);
-        cns_meetings_start(s);
-    }
+    const cns_trajectory_spec spec = {.flow = cns_return_map_flow(S, S->program, S->scales, digits),
+                                      .initial = start,
+                                      .no_growth = true,
+                                      .conditions = sections,
+                                      .n_conditions = 3};
+    cns_trajectory *t = cns_trajectory_new(&spec, err);
+    cns_code code = t == NULL ? err->code : CNS_OK;
     /* A maximum may lie at the joint of two periods, as for a pendulum that goes round: it counts at the end
      * of one, and not at the beginning, whatever noise does to its time. */
-    while (!code && (seen < wanted || mpfr_less_p(cns_flow_end(f), last))) {
-        code = cns_flow_step(f, err);
-        if (!code)
-            code = cns_meetings_follow(s, f, err);
-        if (!code && cns_flow_steps(f) > 100 * S->limit)
+    while (!code && (seen < wanted || mpfr_less_p(cns_flow_end(cns_trajectory_flow(t)), last))) {
+        const cns_meetings *s = cns_trajectory_meetings(t);
+        code = cns_trajectory_step(t, err);
+        if (!code && cns_flow_steps(cns_trajectory_flow(t)) > 100 * S->limit)
             code = cns_fail(err, CNS_UNREACHED, "the cycle does not close");
         for (int i = 0; i < cns_meetings_count(s) && !code; i++) {
             const cns_meeting *at = cns_meetings_meeting(s, i);
             if (seen == wanted && mpfr_greater_p(at->time, last))
                 break;
-            if (at->section == 0 && seen < wanted &&
+            if (at->condition == 0 && seen < wanted &&
                 cns_return_map_counts(S, at, late->direction * (S->motion ? late->side : 1))) {
                 if (++seen < wanted)
                     continue;
@@ -178,11 +175,11 @@ static cns_code measure(const cns_return_map *S, const cns_late *late, const cns
                     if (!is_dynamic(S, k))
                         mpfr_set(m->value[m->drift + k], at->state[k], MPFR_RNDN);
                 m->winding = S->motion != NULL ? (at->k - turns) / S->motion->turns : 0;
-            } else if (at->section == 1 && at->direction < 0 && m->maxima < CNS_MOTION_EXTREMA) {
+            } else if (at->condition == 1 && at->direction < 0 && m->maxima < CNS_MOTION_EXTREMA) {
                 if (m->maxima == 0)
                     mpfr_set(first, at->time, MPFR_RNDN);
                 mpfr_set(m->value[m->drift + S->n + m->maxima++], at->state[S->observable], MPFR_RNDN);
-            } else if (at->section == 2) {
+            } else if (at->condition == 2) {
                 mpfr_min(low, low, at->state[swinging], MPFR_RNDN);
                 mpfr_max(high, high, at->state[swinging], MPFR_RNDN);
             }
@@ -190,8 +187,7 @@ static cns_code measure(const cns_return_map *S, const cns_late *late, const cns
     }
     mpfr_sub(m->value[1], high, low, MPFR_RNDN);
     mpfr_div_2ui(m->value[1], m->value[1], 1, MPFR_RNDN);
-    cns_meetings_free(s);
-    cns_flow_free(f);
+    cns_trajectory_free(t);
     for (int k = 1; k < 3; k++)
         cns_event_condition_clear(&sections[k]);
     for (int i = 0; i < S->n; i++)

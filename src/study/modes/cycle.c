@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/memory.h"
+#include "integrate/trajectory.h"
 #include "num/logs.h"
 #include "num/vector.h"
 #include "taylor/jet.h"
@@ -18,9 +19,8 @@ typedef struct map {
     mpfr_prec_t prec;
     double *scales; /* of the tangent program */
     cns_program *tangent;
-    cns_flow *flow;
-    cns_meetings *sections;
-    cns_jet *field; /* the right-hand side at a point */
+    cns_trajectory *trajectory; /* of the tangent program; its only condition is the section */
+    cns_jet *field;             /* the right-hand side at a point */
     cns_number *start;
     mpfr_t *r, *D,
         *f; /* R(z); d x d, its derivative by columns of the tangents; rates of the dynamic states */
@@ -36,8 +36,7 @@ static void close_map(map *m)
     cns_vector_free(m->D, m->d * m->d);
     cns_vector_free(m->f, m->d);
     cns_jet_free(m->field);
-    cns_meetings_free(m->sections);
-    cns_flow_free(m->flow);
+    cns_trajectory_free(m->trajectory);
     cns_program_free(m->tangent);
     free(m->scales);
     mpfr_clears(m->x, m->y, (mpfr_ptr)0);
@@ -59,16 +58,16 @@ static cns_code open_map(map *m, const cns_return_map *S, long digits, cns_error
     m->f = cns_vector_xnew(d, m->prec);
     if (cns_tangent_program(S->program, d, &m->tangent, err))
         return err->code;
-    const cns_flow_spec spec = cns_return_map_flow(S, m->tangent, m->scales, digits);
-    m->flow = cns_flow_new(&spec, err);
-    if (m->flow == NULL)
-        return err->code;
     cns_event_condition section = S->section;
     for (int i = 0; i < d; i++)
         if (S->index[i] == S->section.state)
             section.state = i;
-    m->sections = cns_meetings_new(&section, 1, states, m->scales, m->prec, err);
-    if (m->sections == NULL)
+    const cns_trajectory_spec spec = {.flow = cns_return_map_flow(S, m->tangent, m->scales, digits),
+                                      .no_growth = true,
+                                      .conditions = &section,
+                                      .n_conditions = 1};
+    m->trajectory = cns_trajectory_new(&spec, err);
+    if (m->trajectory == NULL)
         return err->code;
     const cns_jet_spec jet = {.program = S->program, .ops = &cns_arith_mpfr, .order = 1, .prec = m->prec};
     m->field = cns_jet_new(&jet, err);
@@ -107,18 +106,16 @@ static cns_code evaluate(map *m, cns_cycle *c, cns_error *err)
             cns_number_set(&m->start[i], &S->section.value);
         }
     }
-    cns_flow_start(m->flow, m->start);
-    cns_meetings_start(m->sections);
+    const cns_meetings *meetings = cns_trajectory_meetings(m->trajectory);
+    cns_trajectory_start(m->trajectory, m->start);
     while (returns < c->returns) {
-        if (cns_flow_steps(m->flow) > (long)STEPS_PER_RETURN * c->returns)
+        if (cns_flow_steps(cns_trajectory_flow(m->trajectory)) > (long)STEPS_PER_RETURN * c->returns)
             return cns_fail(err, CNS_UNREACHED, "the motion does not return");
-        code = cns_flow_step(m->flow, err);
-        if (!code)
-            code = cns_meetings_follow(m->sections, m->flow, err);
+        code = cns_trajectory_step(m->trajectory, err);
         if (code)
             return code;
-        for (int k = 0; k < cns_meetings_count(m->sections) && returns < c->returns; k++) {
-            const cns_meeting *event = cns_meetings_meeting(m->sections, k);
+        for (int k = 0; k < cns_meetings_count(meetings) && returns < c->returns; k++) {
+            const cns_meeting *event = cns_meetings_meeting(meetings, k);
             if (!cns_return_map_counts(S, event, c->direction) || ++returns < c->returns)
                 continue;
             mpfr_set(c->time, event->time, MPFR_RNDN);

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "core/memory.h"
-#include "integrate/growth.h"
 #include "integrate/numerics.h"
+#include "integrate/trajectory.h"
 #include "num/logs.h"
 #include "num/vector.h"
 #include "study/saddle/fixed_point.h"
@@ -80,28 +80,25 @@ static void angle_section(cns_return_map *S)
  * the angle passes its section there. */
 static cns_code choose_section(cns_return_map *S, cns_error *err)
 {
-    const cns_flow_spec spec = cns_return_map_flow(S, S->program, S->scales, 0);
     double *low = cns_xalloc((size_t)S->n, sizeof *low), *high = cns_xalloc((size_t)S->n, sizeof *high);
-    cns_meetings *sections = NULL;
-    cns_flow *f = cns_flow_new(&spec, err);
-    cns_code code = f == NULL ? err->code : CNS_OK;
     int passes = 0;
-    if (!code && S->motion != NULL) {
+    if (S->motion != NULL)
         angle_section(S);
-        sections = cns_meetings_new(&S->section, 1, S->n, S->scales, cns_flow_prec(f), err);
-        code = sections == NULL ? err->code : CNS_OK;
-    }
-    if (!code)
-        cns_flow_start(f, cns_system_initial(S->system));
+    const cns_trajectory_spec spec = {.flow = cns_return_map_flow(S, S->program, S->scales, 0),
+                                      .initial = cns_system_initial(S->system),
+                                      .no_growth = true,
+                                      .conditions = &S->section,
+                                      .n_conditions = S->motion != NULL};
+    cns_trajectory *t = cns_trajectory_new(&spec, err);
+    cns_code code = t == NULL ? err->code : CNS_OK;
     for (long step = 0; !code && step < LEVEL_STEPS && passes < 2; step++) {
-        code = cns_flow_step(f, err);
-        if (!code && sections != NULL)
-            code = cns_meetings_follow(sections, f, err);
+        code = cns_trajectory_step(t, err);
         if (code)
             break;
-        passes += sections != NULL && step >= LEVEL_STEPS / 8 ? cns_meetings_count(sections) : 0;
+        if (S->motion != NULL && step >= LEVEL_STEPS / 8)
+            passes += cns_meetings_count(cns_trajectory_meetings(t));
         for (int i = 0; i < S->n; i++) {
-            const double x = mpfr_get_d(cns_flow_state(f)[i], MPFR_RNDN);
+            const double x = mpfr_get_d(cns_flow_state(cns_trajectory_flow(t))[i], MPFR_RNDN);
             low[i] = step <= LEVEL_STEPS / 2 ? x : fmin(low[i], x);
             high[i] = step <= LEVEL_STEPS / 2 ? x : fmax(high[i], x);
         }
@@ -124,8 +121,7 @@ static cns_code choose_section(cns_return_map *S, cns_error *err)
         mpfr_clear(x);
         S->section.kind = CNS_CONDITION_VALUE;
     }
-    cns_meetings_free(sections);
-    cns_flow_free(f);
+    cns_trajectory_free(t);
     free(low);
     free(high);
     return code;
@@ -186,9 +182,8 @@ bool cns_return_map_counts(const cns_return_map *S, const cns_meeting *m, int be
 typedef struct follower {
     const cns_return_map *S;
     cns_late *late;
-    cns_flow *flow;
-    cns_growth *growth;
-    cns_meetings *sections; /* 0: returns; 1: extrema of the observable */
+    cns_trajectory *trajectory; /* with events: condition 0 are returns, 1 extrema of the observable */
+    cns_flow *flow;             /* the trajectory's */
     mpq_t time;
     mpfr_t x;
     mpfr_t *z; /* HISTORY reduced states of d numbers, return j in place j % HISTORY */
@@ -212,9 +207,7 @@ typedef struct follower {
 static void close_follower(follower *F)
 {
     cns_vector_free(F->z, HISTORY * F->S->d);
-    cns_meetings_free(F->sections);
-    cns_growth_free(F->growth);
-    cns_flow_free(F->flow);
+    cns_trajectory_free(F->trajectory);
     mpq_clear(F->time);
     mpfr_clear(F->x);
     free(F->all);
@@ -224,30 +217,26 @@ static void close_follower(follower *F)
 static cns_code open_follower(follower *F, const cns_return_map *S, long digits, cns_late *late,
                               cns_error *err)
 {
-    const cns_flow_spec spec = cns_return_map_flow(S, S->program, S->scales, digits);
     cns_event_condition both[2];
+    const cns_trajectory_spec spec = {.flow = cns_return_map_flow(S, S->program, S->scales, digits),
+                                      .initial = cns_system_initial(S->system),
+                                      .conditions = both,
+                                      .n_conditions = 2};
     *F = (follower){
         .S = S, .late = late, .fastest = -HUGE_VAL, .growing_until = -1, .batch_steps = BATCH_STEPS};
     F->next_batch = BATCH_STEPS;
     mpq_init(F->time);
-    mpfr_init2(F->x, spec.prec);
-    F->z = cns_vector_xnew(HISTORY * S->d, spec.prec);
-    F->flow = cns_flow_new(&spec, err);
-    if (F->flow != NULL)
-        F->growth = cns_growth_new(S->program, S->scales, err);
-    if (F->growth == NULL)
-        return err->code;
+    mpfr_init2(F->x, spec.flow.prec);
+    F->z = cns_vector_xnew(HISTORY * S->d, spec.flow.prec);
     both[0] = S->section;
     cns_event_condition_init(&both[1]);
     both[1].kind = CNS_CONDITION_EXTREMUM;
     both[1].state = S->observable;
-    F->sections = cns_meetings_new(both, 2, S->n, S->scales, spec.prec, err);
+    F->trajectory = cns_trajectory_new(&spec, err);
     cns_event_condition_clear(&both[1]);
-    if (F->sections == NULL)
+    if (F->trajectory == NULL)
         return err->code;
-    cns_flow_start(F->flow, cns_system_initial(S->system));
-    cns_growth_start(F->growth);
-    cns_meetings_start(F->sections);
+    F->flow = cns_trajectory_flow(F->trajectory);
     return CNS_OK;
 }
 
@@ -395,7 +384,8 @@ static cns_code end_batch(follower *F, cns_error *err)
 {
     double noise;
     mpfr_get_q(F->time, cns_flow_end(F->flow));
-    cns_code code = cns_growth_at(F->growth, F->time, &F->growth_log10, &noise, err);
+    cns_code code =
+        cns_growth_at(cns_trajectory_growth(F->trajectory), F->time, &F->growth_log10, &noise, err);
     if (F->batches == MOST_BATCHES) { /* twice as long ones from now on */
         for (int i = 0; i < MOST_BATCHES / 2; i++) {
             F->batch[i] = F->batch[2 * i + 1];
@@ -422,9 +412,10 @@ static cns_code at_meetings(follower *F, bool *over, cns_error *err)
     cns_late *late = F->late;
     double growth, noise;
     cns_code code = CNS_OK;
-    for (int i = 0; i < cns_meetings_count(F->sections) && !code && !*over; i++) {
-        const cns_meeting *m = cns_meetings_meeting(F->sections, i);
-        if (m->section == 1) {
+    const cns_meetings *meetings = cns_trajectory_meetings(F->trajectory);
+    for (int i = 0; i < cns_meetings_count(meetings) && !code && !*over; i++) {
+        const cns_meeting *m = cns_meetings_meeting(meetings, i);
+        if (m->condition == 1) {
             const int most = (int)(sizeof late->extremum / sizeof *late->extremum);
             if (m->direction < 0)
                 late->extremum[late->extrema++ % most] = mpfr_get_d(m->state[F->S->observable], MPFR_RNDN);
@@ -434,7 +425,7 @@ static cns_code at_meetings(follower *F, bool *over, cns_error *err)
             continue;
         if (F->growing_until < 0) {
             mpfr_get_q(F->time, m->time);
-            code = cns_growth_at(F->growth, F->time, &growth, &noise, err);
+            code = cns_growth_at(cns_trajectory_growth(F->trajectory), F->time, &growth, &noise, err);
             if (code)
                 break;
             late->noise_log2 = fmax(late->noise_log2, noise);
@@ -465,13 +456,11 @@ cns_code cns_late_find(const cns_return_map *S, long digits, double horizon, cns
         }
         if (digits > 0 && noisy && (horizon > 0 ? late->time >= horizon : F.chaos))
             break;
-        if (F.chaos && noisy && F.growing_until < 0)
+        if (F.chaos && noisy && F.growing_until < 0) {
             F.growing_until = late->time;
-        code = cns_flow_step(F.flow, err);
-        if (!code && F.growing_until < 0)
-            code = cns_growth_follow(F.growth, F.flow, cns_flow_noise_log2(F.flow), err);
-        if (!code)
-            code = cns_meetings_follow(F.sections, F.flow, err);
+            cns_trajectory_leave_growth(F.trajectory);
+        }
+        code = cns_trajectory_step(F.trajectory, err);
         if (code)
             break;
         late->time = mpfr_get_d(cns_flow_end(F.flow), MPFR_RNDN);
