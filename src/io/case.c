@@ -11,6 +11,7 @@
 
 /* Overrides. */
 
+/* UTF-8 without control characters. */
 static bool plain_text(const char *s)
 {
     for (size_t left = strlen(s); left > 0;) {
@@ -23,6 +24,7 @@ static bool plain_text(const char *s)
     return true;
 }
 
+/* Puts the values of the overrides into the tree, as if they stood in the file. */
 static void apply_sets(cns_yaml_node *root, cns_faults *faults, const char *const *sets, int n_sets)
 {
     for (int i = 0; i < n_sets; i++) {
@@ -42,6 +44,7 @@ static void apply_sets(cns_yaml_node *root, cns_faults *faults, const char *cons
     }
 }
 
+/* One per line, each fit for one line; NULL if there are none. */
 static char *join_lines(const char *const *lines, int n)
 {
     if (n == 0)
@@ -63,7 +66,7 @@ static char *join_lines(const char *const *lines, int n)
 
 /* Loading. */
 
-/* Every field that holds a number belongs to just one key. */
+/* To every number of the case outside the model's lists: each belongs to one key. */
 static void for_numbers(cns_case *c, void (*act)(cns_number *))
 {
     for (const cns_key *k = cns_keys; k < cns_keys + cns_n_keys; k++)

@@ -265,7 +265,8 @@ static bool read_numbers(cns_case_reader *r, const cns_key *k, const cns_yaml_no
     return true;
 }
 
-cns_column cns_case_column(const cns_model *m, int i)
+/* Columns are numbered: t, the states, the outputs. */
+static cns_column column_of(const cns_model *m, int i)
 {
     if (i == 0)
         return (cns_column){CNS_COLUMN_TIME, 0};
@@ -290,7 +291,7 @@ static bool read_columns(cns_case_reader *r, const cns_key *k, const cns_yaml_no
     add_states(&known, m);
     for (int i = 0; i < m->n_outputs; i++)
         add_name(&known, m->outputs[i].name);
-    c->columns = cns_xalloc((size_t)known.count, sizeof *c->columns);
+    c->n_columns = 0;
     for (const cns_yaml_node *node = list->first; node != NULL; node = node->next) {
         if (node->refused || !is_a(r, node, CNS_YAML_SCALAR, "a column", "a name"))
             continue;
@@ -304,7 +305,7 @@ static bool read_columns(cns_case_reader *r, const cns_key *k, const cns_yaml_no
             cns_faults_add(&r->faults, node->mark, "doubled column '%s'", node->text);
         } else {
             seen[i] = true;
-            c->columns[c->n_columns++] = cns_case_column(m, i);
+            c->columns[c->n_columns++] = column_of(m, i);
         }
     }
     return true;
@@ -386,29 +387,37 @@ static void check_keys(cns_case_reader *r, const cns_key *section, const cns_yam
             k = unknown_key(r, section, node);
         if (k == NULL)
             continue;
-        struct cns_key_seen *seen = &r->seen[k - cns_keys];
+        cns_key_seen *seen = &r->seen[k - cns_keys];
         if (readable)
-            *seen = (struct cns_key_seen){node, read_key(r, k, node)};
+            *seen = (cns_key_seen){node, read_key(r, k, node)};
         else if (seen->node == NULL)
             seen->node = node; /* misspelt, or refused: at least it is not missing as well */
     }
 }
 
+/* What the model has a default for: parameters, initial states (0), and columns (t and the states). */
+static void set_defaults_of_model(cns_case *c)
+{
+    const cns_model *m = c->model;
+    c->parameters = cns_xalloc((size_t)m->n_parameters, sizeof *c->parameters);
+    c->initial = cns_xalloc((size_t)m->n_states, sizeof *c->initial);
+    c->columns = cns_xalloc((size_t)(1 + m->n_states + m->n_outputs), sizeof *c->columns);
+    for (int i = 0; i < m->n_parameters; i++) {
+        cns_number_init(&c->parameters[i]);
+        if (m->parameters[i].standard != NULL)
+            cns_number_parse(&c->parameters[i], m->parameters[i].standard, NULL);
+    }
+    for (int i = 0; i < m->n_states; i++)
+        cns_number_init(&c->initial[i]);
+    for (c->n_columns = 0; c->n_columns < 1 + m->n_states; c->n_columns++)
+        c->columns[c->n_columns] = column_of(m, c->n_columns);
+}
+
 void cns_case_check(cns_case_reader *r)
 {
-    cns_case *c = r->c;
     const cns_yaml_node *model = cns_yaml_find(r->root, "model");
-    if (model != NULL && !model->refused && read_model(r, model)) {
-        c->parameters = cns_xalloc((size_t)c->model->n_parameters, sizeof *c->parameters);
-        c->initial = cns_xalloc((size_t)c->model->n_states, sizeof *c->initial);
-        for (int i = 0; i < c->model->n_parameters; i++) {
-            cns_number_init(&c->parameters[i]);
-            if (c->model->parameters[i].standard != NULL)
-                cns_number_parse(&c->parameters[i], c->model->parameters[i].standard, NULL);
-        }
-        for (int i = 0; i < c->model->n_states; i++)
-            cns_number_init(&c->initial[i]);
-    }
+    if (model != NULL && !model->refused && read_model(r, model))
+        set_defaults_of_model(r->c);
     for (const cns_key *k = cns_keys; k < cns_keys + cns_n_keys; k++)
         if (k->standard != NULL)
             read_value(r, k, &(cns_yaml_node){.kind = CNS_YAML_SCALAR, .text = (char *)k->standard});

@@ -88,15 +88,18 @@ void *cns_key_field(const cns_key *k, const cns_case *c);
 void cns_key_put(const cns_key *k, cns_case *c, long value);
 long cns_key_get(const cns_key *k, const cns_case *c);
 
+/* What was found of a key. */
+typedef struct cns_key_seen {
+    const cns_yaml_node *node; /* NULL: it is not in the file */
+    bool good;                 /* it is, with a value that its row allows */
+} cns_key_seen;
+
 /* A case file while it is read. */
 typedef struct cns_case_reader {
     cns_case *c;
     cns_faults faults;
     const cns_yaml_node *root;
-    struct cns_key_seen {
-        const cns_yaml_node *node; /* NULL: not given */
-        bool good;                 /* given, and as its row allows */
-    } * seen;                      /* of each key */
+    cns_key_seen *seen; /* of each key, in the order of the table */
 } cns_case_reader;
 
 /* Fills the case with the defaults and the values of the file, whose root is a mapping. */
@@ -105,7 +108,7 @@ void cns_case_check(cns_case_reader *r);
 /* Then: what keys must be given or exclude each other, and the values that follow from those of others. */
 void cns_case_apply_rules(cns_case_reader *r);
 
+/* Is x > above and x < below? NULL: no such end. */
 bool cns_case_within(const cns_number *x, const char *above, const char *below);
-cns_column cns_case_column(const cns_model *m, int i); /* t, then the states, then the outputs */
 
 #endif

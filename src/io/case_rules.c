@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "case_internal.h"
-#include "core/memory.h"
 
 #define TEXT_OF(x)  #x
 #define TEXT_OF2(x) TEXT_OF(x)
@@ -94,18 +93,6 @@ static void rows_of_table(cns_case_reader *r)
     if (given(r, "time.end") && quotient_above(&c->end, &c->every, CNS_CASE_MAX_ROWS))
         cns_faults_add(&r->faults, place_of(r, "time.every"),
                        "'every' in 'time' makes more than %d rows up to the end", CNS_CASE_MAX_ROWS);
-}
-
-static void columns_of_table(cns_case_reader *r)
-{
-    cns_case *c = r->c;
-    if (c->n_columns > 0 || c->model == NULL)
-        return;
-    free(c->columns);
-    c->n_columns = 1 + c->model->n_states;
-    c->columns = cns_xalloc((size_t)c->n_columns, sizeof *c->columns);
-    for (int i = 0; i < c->n_columns; i++)
-        c->columns[i] = cns_case_column(c->model, i);
 }
 
 static void goal_or_numerics(cns_case_reader *r)
@@ -248,7 +235,6 @@ void cns_case_apply_rules(cns_case_reader *r)
         if (k->required && (cns_key_section(k) == NULL || given(r, cns_key_section(k)->path)))
             require(r, k->path);
     rows_of_table(r);
-    columns_of_table(r);
     if (r->c->smooth)
         require(r, "abs.smooth");
     goal_or_numerics(r);

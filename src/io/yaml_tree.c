@@ -130,7 +130,7 @@ cns_yaml_node *cns_yaml_find(const cns_yaml_node *mapping, const char *key)
     return NULL;
 }
 
-/* Turns a node into an empty one of another kind, in its place. */
+/* Makes a node an empty one of another kind. Its key, and its place among its siblings, stay. */
 static void reset_node(cns_yaml_node *node, cns_yaml_kind kind, cns_mark mark)
 {
     for (cns_yaml_node *child = node->first, *next; child != NULL; child = next) {
@@ -256,7 +256,9 @@ static cns_yaml_node *build_sequence(builder *b, cns_mark mark, int depth)
     return node;
 }
 
-static void note_doubled(builder *b, const cns_yaml_node *mapping, const char *where, cns_yaml_node *child)
+/* Refuses `child`, which is to be added to the mapping, if its key is there already. `where` is the key that
+ * the mapping stands at, NULL at the top. */
+static void refuse_doubled(builder *b, const cns_yaml_node *mapping, const char *where, cns_yaml_node *child)
 {
     const cns_yaml_node *first = cns_yaml_find(mapping, child->key);
     if (first == NULL)
@@ -295,7 +297,7 @@ static cns_yaml_node *build_mapping(builder *b, cns_mark mark, int depth, const 
         if (value != NULL && name != NULL) {
             value->key = cns_xcopy(name);
             value->key_mark = key_mark;
-            note_doubled(b, node, own_key, value);
+            refuse_doubled(b, node, own_key, value);
             append(node, value);
         } else {
             cns_yaml_free(value);
@@ -305,7 +307,7 @@ static cns_yaml_node *build_mapping(builder *b, cns_mark mark, int depth, const 
     return node;
 }
 
-/* An empty text in place of an alias, so that the reading goes on with keys and values in pairs. */
+/* Stands for an alias, which is refused: without a node the next key would be taken for the value. */
 static cns_yaml_node *refused_scalar(cns_mark mark)
 {
     cns_yaml_node *node = new_node(CNS_YAML_SCALAR, mark);
@@ -347,7 +349,8 @@ static cns_yaml_node *build(builder *b, const yaml_event_t *event, int depth, co
     }
 }
 
-/* The bytes that libyaml reports without a usable place, or reads over. */
+/* Refuses bytes that are no text, with their place: libyaml reports some of them without a place, and accepts
+ * others. */
 static bool check_bytes(const char *text, size_t length, cns_faults *f)
 {
     cns_mark mark = {1, 1, -1};

@@ -11,9 +11,10 @@
 #define CNS_YAML_MAX_BYTES  (1024L * 1024L)
 #define CNS_YAML_MAX_DEPTH  16
 #define CNS_YAML_MAX_NODES  4096
-#define CNS_YAML_MAX_FAULTS 100 /* reported; the rest are counted */
+#define CNS_YAML_MAX_FAULTS 100 /* that are reported; of further ones only the number is */
 
-/* Where something stands: a place in the file, from 1; or the override number `set` (-1: the file). */
+/* Where something stands: a line and column of the file, from 1, and set = -1; or the override of number
+ * `set`. */
 typedef struct cns_mark {
     size_t line, column;
     int set;
@@ -52,7 +53,7 @@ typedef struct cns_yaml_node {
     char *text; /* of a scalar */
     char *key;  /* when it stands in a mapping */
     cns_mark key_mark;
-    bool refused;                              /* already reported; not to be checked */
+    bool refused;                              /* a fault has been reported: its value does not count */
     struct cns_yaml_node *first, *last, *next; /* children; next sibling */
 } cns_yaml_node;
 
