@@ -237,7 +237,6 @@ Suite *suite_laws(void)
 {
     Suite *s = suite_create("laws");
     TCase *t = tcase_create("laws");
-    tcase_set_timeout(t, 120);
     tcase_add_test(t, slopes);
     tcase_add_test(t, points_by_another_route);
     tcase_add_test(t, kept_runs);

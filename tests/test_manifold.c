@@ -554,7 +554,6 @@ Suite *suite_manifold(void)
 {
     Suite *s = suite_create("manifold");
     TCase *t = tcase_create("manifold");
-    tcase_set_timeout(t, 60);
     tcase_add_test(t, test_branch);
     tcase_add_test(t, test_branch_on_kink);
     tcase_add_test(t, test_homoclinic);

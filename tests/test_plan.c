@@ -73,27 +73,103 @@ static cns_run_info plan_for(const setting *s, cns_places places, long count)
     return plan;
 }
 
-/* Digits and order exactly, at the first try; steps within 20 %, or 30 % where smoothed kinks take most. */
+/* Processor time comes out otherwise each time where other programs share the processor and its caches: what
+ * is said of it must become true in one of so many tries. */
+enum { TRIES = 30 };
+
+/* Digits and order exactly, at the first try; steps within 20 %, or 30 % where smoothed kinks take most;
+ * processor time within a factor of two. */
 START_TEST(run_is_what_was_planned)
 {
     setting s;
-    cns_error err;
-    cns_result result;
+    double expected = 0, took = 0;
+    bool close = false;
     setting_open(&s, &goals[_i]);
     cns_goal goal = {.places = goals[_i].places, .count = goals[_i].count, .max_digits = 5000};
-    cns_run_info plan = plan_for(&s, goal.places, goal.count);
-    double since = cns_process_seconds();
-    check_ok(cns_solve_goal(&s.problem, &goal, &result, &err), &err);
-    double took = cns_process_seconds() - since;
-    ck_assert(result.reached);
-    ck_assert_int_eq(result.run.attempt, 1);
-    ck_assert_int_eq(plan.digits, result.run.digits);
-    ck_assert_int_eq(plan.proof_digits, result.run.proof_digits);
-    ck_assert_int_eq(plan.order, result.run.order);
-    ck_assert_double_le(fabs(plan.steps - (double)result.steps), goals[_i].error * (double)result.steps);
-    /* Within a factor of two on a quiet machine; a busy one shares its caches, too. */
-    ck_assert_msg(plan.seconds < 4 * took && took < 4 * plan.seconds, "%.3f s planned, %.3f s taken",
-                  plan.seconds, took);
+    for (int i = 0; i < TRIES && !close; i++) {
+        cns_error err;
+        cns_result result;
+        cns_run_info plan = plan_for(&s, goal.places, goal.count);
+        double since = cns_process_seconds();
+        check_ok(cns_solve_goal(&s.problem, &goal, &result, &err), &err);
+        took = cns_process_seconds() - since;
+        expected = plan.seconds;
+        close = expected < 2 * took && took < 2 * expected;
+        ck_assert(result.reached);
+        ck_assert_int_eq(result.run.attempt, 1);
+        ck_assert_int_eq(plan.digits, result.run.digits);
+        ck_assert_int_eq(plan.proof_digits, result.run.proof_digits);
+        ck_assert_int_eq(plan.order, result.run.order);
+        ck_assert_double_le(fabs(plan.steps - (double)result.steps), goals[_i].error * (double)result.steps);
+    }
+    ck_assert_msg(close, "%.3f s planned, %.3f s taken", expected, took);
+    setting_close(&s);
+}
+END_TEST
+
+/* A clock by which a step takes 2 s and a row 1 s: the measurement reads it before a step with a row, after
+ * it, and after another row. */
+static int readings, stop_at;
+static volatile sig_atomic_t stop;
+static double metered(cns_clock clock)
+{
+    static const double spent[] = {3, 1, 0}; /* before a reading: a step and a row, a row, nothing */
+    static double now;
+    (void)clock;
+    if (++readings == stop_at)
+        stop = 2;
+    now += readings > 1 ? spent[readings % 3] : 0; /* the first is the beginning of all */
+    return now;
+}
+
+static cns_code metered_plan(setting *s, int threads, cns_run_info *plan)
+{
+    long digits[CNS_PLAN_PARTS];
+    cns_schedule schedule = {.digits = digits};
+    cns_goal goal = {.places = CNS_PLACES_DECIMALS, .count = 10, .max_digits = 5000};
+    cns_error err;
+    readings = 0;
+    const cns_monitor monitor = {.threads = threads, .stop = &stop};
+    s->problem.monitor = &monitor;
+    cns_clock_replace(metered);
+    cns_code code = cns_plan(&s->problem, &goal, plan, &schedule, &err);
+    cns_clock_replace(NULL);
+    s->problem.monitor = NULL;
+    return code;
+}
+
+/* Two threads take as long as the longer run, one as both; planning is counted. */
+START_TEST(seconds_are_steps_and_rows)
+{
+    setting s;
+    cns_run_info two, one;
+    setting_open(&s, &goals[0]);
+    stop_at = stop = 0;
+    ck_assert_int_eq(metered_plan(&s, 2, &two), CNS_OK);
+    const double planning = 4 * (readings - 2) / 3, rows = 50;
+    ck_assert_double_eq_tol(two.seconds, planning + 2 * two.steps + rows, 1e-6);
+    ck_assert_int_eq(metered_plan(&s, 1, &one), CNS_OK);
+    ck_assert_double_gt(one.seconds, planning + 1.5 * (2 * one.steps + rows));
+    ck_assert_double_lt(one.seconds, planning + 2 * (2 * one.steps + rows));
+    setting_close(&s);
+}
+END_TEST
+
+/* Whenever a stop comes, there is no plan: one from half a measurement would promise too little. */
+START_TEST(a_stopped_plan_says_nothing)
+{
+    setting s;
+    cns_run_info plan;
+    setting_open(&s, &goals[0]);
+    stop_at = stop = 0;
+    ck_assert_int_eq(metered_plan(&s, 1, &plan), CNS_OK);
+    const int last = readings;
+    ck_assert_int_gt(last, 20);
+    for (int i = 0; i < 5; i++) {
+        stop_at = (const int[]){1, 2, 10, last / 2, last}[i];
+        stop = 0;
+        ck_assert_int_eq(metered_plan(&s, 1, &plan), CNS_STOPPED);
+    }
     setting_close(&s);
 }
 END_TEST
@@ -109,11 +185,11 @@ static void watch_progress(void *context, double fraction, const char *what)
     ck_assert_int_eq(sscanf(what, "t = %lf of %lf", &t, &end), 2);
     ck_assert(fraction >= seen->last && fraction <= 1);
     seen->last = fraction;
-    if (t <= end / 2)
+    if (t == end / 2)
         seen->halfway = fraction;
 }
 
-/* Precision falls with time: by half of it, more than half of the work is done. */
+/* Precision falls with time: by half of it, about 0.63 of the work is done. */
 START_TEST(progress_is_that_of_the_work)
 {
     static const planned g = {"lorenz", NULL, {"-15.8", "-17.48", "35.64"}, "100", "1/2", CNS_PLACES_DECIMALS,
@@ -127,9 +203,12 @@ START_TEST(progress_is_that_of_the_work)
     s.problem.monitor = &monitor;
     cns_goal goal = {.places = g.places, .count = g.count, .max_digits = 5000};
     check_ok(cns_solve_goal(&s.problem, &goal, &result, &err), &err);
-    ck_assert_double_gt(seen.halfway, 0.6);
-    ck_assert_double_lt(seen.halfway, 0.95);
     ck_assert_double_eq_tol(seen.last, 1, 1e-9);
+    double halfway = result.run.done[CNS_PLAN_PARTS / 2 - 1];
+    ck_assert_double_eq(seen.halfway, halfway);
+    for (int i = 0; i < TRIES && !(halfway > 0.58 && halfway < 0.95); i++)
+        halfway = plan_for(&s, g.places, g.count).done[CNS_PLAN_PARTS / 2 - 1];
+    ck_assert_msg(halfway > 0.58 && halfway < 0.95, "%g", halfway);
     setting_close(&s);
 }
 END_TEST
@@ -138,10 +217,15 @@ START_TEST(more_decimals_cost_more)
 {
     setting s;
     setting_open(&s, &goals[0]);
-    cns_run_info few = plan_for(&s, CNS_PLACES_DECIMALS, 10), many = plan_for(&s, CNS_PLACES_DECIMALS, 400);
-    ck_assert_int_eq(many.digits - few.digits, 390);
-    ck_assert_double_gt(many.memory, few.memory + 1e6);
-    ck_assert_double_gt(many.seconds, 5 * few.seconds);
+    bool more = false;
+    for (int i = 0; i < TRIES && !more; i++) {
+        cns_run_info few = plan_for(&s, CNS_PLACES_DECIMALS, 10),
+                     many = plan_for(&s, CNS_PLACES_DECIMALS, 400);
+        ck_assert_int_eq(many.digits - few.digits, 390);
+        ck_assert_double_gt(many.memory, few.memory + 1e6);
+        more = many.seconds > 5 * few.seconds;
+    }
+    ck_assert(more);
     setting_close(&s);
 }
 END_TEST
@@ -202,6 +286,8 @@ Suite *suite_plan(void)
     Suite *s = suite_create("plan");
     TCase *t = tcase_create("plan");
     tcase_add_loop_test(t, run_is_what_was_planned, 0, (int)(sizeof goals / sizeof *goals));
+    tcase_add_test(t, seconds_are_steps_and_rows);
+    tcase_add_test(t, a_stopped_plan_says_nothing);
     tcase_add_test(t, progress_is_that_of_the_work);
     tcase_add_test(t, more_decimals_cost_more);
     tcase_add_test(t, says_how_far_it_came);

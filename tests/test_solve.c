@@ -38,6 +38,8 @@ static cns_code on_begin(void *context, const cns_run_info *run, cns_error *err)
     return CNS_OK;
 }
 
+static double now; /* the clock of the tests that replace it: a row takes a second */
+
 static cns_code on_row(void *context, const cns_row *row, cns_error *err)
 {
     table *t = context;
@@ -50,6 +52,7 @@ static cns_code on_row(void *context, const cns_row *row, cns_error *err)
     t->decimals[t->rows] = row->decimals;
     t->growth[t->rows] = row->growth;
     t->rows++;
+    now += 1;
     return CNS_OK;
 }
 
@@ -443,18 +446,46 @@ START_TEST(too_few_digits_for_significant_ones)
 }
 END_TEST
 
+static double by_the_row(cns_clock clock)
+{
+    (void)clock;
+    return now;
+}
+
+static double by_the_look(cns_clock clock)
+{
+    (void)clock;
+    return now += 1;
+}
+
+/* Twenty rows fit into the time, and those that the last step holds besides. */
 START_TEST(max_time_ends_a_run)
 {
     table t;
-    double from = cns_seconds();
-    solve(&t, CASE4 "time: {end: 300, every: 0.5}\ngoal: {decimals: 40, max_time: 0.5}\n", false, NULL);
+    cns_clock_replace(by_the_row);
+    solve(&t, CASE4 "time: {end: 60, every: 0.5}\ngoal: {decimals: 40, max_time: 19.5}\n", false, NULL);
+    cns_clock_replace(NULL);
     ck_assert_int_eq(t.code, CNS_UNREACHED);
     ck_assert(!t.result.complete);
-    ck_assert_ptr_nonnull(strstr(t.err.text, "max_time"));
-    ck_assert_int_lt(t.rows, 601);
+    ck_assert_ptr_nonnull(strstr(t.err.text, "max_time is used up at t = "));
+    ck_assert_int_ge(t.rows, 20);
+    ck_assert_int_lt(t.rows, 30);
+    ck_assert_double_eq(t.result.wall_s, t.rows);
     for (int r = 0; r < t.rows; r++)
         check_row(&t, r, "case4.csv", CNS_PLACES_DECIMALS, 40);
-    ck_assert(cns_seconds() - from < 20);
+    table_clear(&t);
+}
+END_TEST
+
+START_TEST(max_time_ends_a_plan)
+{
+    table t;
+    cns_clock_replace(by_the_look);
+    solve(&t, CASE4 "time: {end: 60, every: 0.5}\ngoal: {decimals: 40, max_time: 20}\n", false, NULL);
+    cns_clock_replace(NULL);
+    ck_assert_int_eq(t.code, CNS_UNREACHED);
+    ck_assert_ptr_nonnull(strstr(t.err.text, "max_time is used up while planning"));
+    ck_assert_int_eq(t.rows, 0);
     table_clear(&t);
 }
 END_TEST
@@ -652,6 +683,7 @@ Suite *suite_solve(void)
     tcase_add_test(tc, too_few_digits_are_honest);
     tcase_add_test(tc, too_few_digits_for_significant_ones);
     tcase_add_test(tc, max_time_ends_a_run);
+    tcase_add_test(tc, max_time_ends_a_plan);
     suite_add_tcase(suite, tc);
     tc = tcase_create("numerics");
     tcase_add_loop_test(tc, numerics_without_a_proof, 0, (int)(sizeof numerics / sizeof *numerics));

@@ -180,8 +180,8 @@ typedef struct filling {
     double began;
 } filling;
 
-/* Seconds that one more run of a cell is expected to take: as before, or by what fewer digits took. Nothing
- * is known of the first row of a system, which is then the cheapest. */
+/* Seconds that one more run of a cell is expected to take: as before, or by what fewer digits took. 0 for
+ * the first row of a system, of which nothing is known: the cheapest, it is measured in any case. */
 static double expected(const filling *w, const cns_bench_row *row, cns_bench_engine engine)
 {
     enum { PER_DECADE = 35 }; /* cost per unit of time against digits, tenths of an exponent */
@@ -199,7 +199,7 @@ static double expected(const filling *w, const cns_bench_row *row, cns_bench_eng
 
 static bool fits(const filling *w, double seconds)
 {
-    return w->spec->seconds <= 0 || cns_seconds() - w->began + seconds <= w->spec->seconds;
+    return w->spec->seconds <= 0 || seconds <= 0 || cns_seconds() - w->began + seconds <= w->spec->seconds;
 }
 
 static void tell(filling *w, const cns_bench_row *row, cns_bench_engine engine, double fraction)

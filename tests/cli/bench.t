@@ -1,7 +1,7 @@
 # cns bench: short ones, for its shape; nobody checks how fast a machine is.
 
 = a table: what was measured, what is right, and what there was no time for
-$ cns bench --seconds 1 > table; sed -n 1p table; grep -c '^\(apw\|lorenz\)' table
+$ cns bench --seconds 0.01 > table; sed -n 1p table; grep -c '^\(apw\|lorenz\)' table
 $ awk '/^(apw|lorenz)/ && $NF != "-" { n++; if ($NF < $(/eps/ ? 4 : 2) - 2) print "too few right:", $0 } END { print (n > 0) }' table
 > seconds of processor time per unit of integrated time, one thread; medians
 > 12
@@ -16,7 +16,7 @@ $ CNS_KERNEL=portable cns bench --seconds 0.01 -q | sed -n 2p
 > re:mpfr +portable +x +avx512ifma
 
 = a summary, and the table with -o
-$ cns bench --seconds 0.3 --yaml -o table > summary; sed -n 1,5p summary; grep -c seconds_per_unit summary > /dev/null; head -n 1 table
+$ cns bench --seconds 0.01 --yaml -o table > summary; sed -n 1,5p summary; grep -q seconds_per_unit summary; head -n 1 table
 > rows:
 > - model: apw
 >   digits: 60
@@ -33,8 +33,9 @@ $ cns bench --seconds 0.01 -o nowhere/table
 $ cns bench --seconds 0.01 -o /dev/null; test -c /dev/null
 
 = an interrupt ends it
-$ exec timeout -s INT --preserve-status 1 cns bench --seconds 100
+$ cns bench --seconds 9999 & wait_for "catches $!"; kill -INT $!; wait $!
 ? 130
+if test -r /proc/self/status
 
 = seconds are checked
 $ cns bench --seconds 0

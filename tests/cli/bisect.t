@@ -44,7 +44,6 @@ $ cns bisect "$CASES"/flutter.yaml
 ? 2
 
 = by trajectory: the same, found in another way
-% 100
 $ cns bisect -q "$CASES"/heteroclinic-trajectory.yaml --set bisect.decimals=8 -o probes > a; head -n 1 a
 $ cns bisect -q "$CASES"/heteroclinic-trajectory.yaml --set bisect.decimals=8 -o probes | cmp - a
 > I = 1.21914663, 8 decimals

@@ -184,7 +184,6 @@ $ cat > bad.yaml; cns check bad.yaml
 2> re:^bad.yaml:2:[0-9]+: .*'y'
 2> re:^bad.yaml:2:[0-9]+: .*'theta'
 ? 2
-% 10
 
 = a division by zero
 $ cat > bad.yaml; cns check bad.yaml

@@ -47,24 +47,34 @@ $ grep -o 'observable y, delta = 0.1' text; grep -c 'lambda = .* +- ' text
 > observable y, delta = 0.1
 > 2
 
-= stopped by a signal, it keeps what is done and goes on from there
-$ cat > a.yaml; "$CNS" laws -q --threads 2 -o runs a.yaml > stopped & until ls runs/reference-* > found 2>&1; do sleep 0.01; done
-$ kill -TERM $!; wait $! || echo $?; ls runs | grep -c digits-68 || true
-$ cns laws -q --yaml -o runs a.yaml > again; ls runs | sed 's/-reference.*//; s/-growth.*//' | sort
-$ touch -d '2001-01-01' runs/*; cns laws -q --yaml -o runs a.yaml | cmp - again; find runs -type f -newermt '2002-01-01'
-$ cns laws -q --yaml a.yaml | cmp - again
+= stopped by a signal, it prints nothing, and keeps what is done: not the steps that would take days
+$ cat > a.yaml; cns laws -q --threads 12 -o runs a.yaml & wait_for 'ls runs/step-*-1e-2-*'
+$ kill -TERM $!; wait $! || echo $?; ls runs | grep -c 'step-.*-1e-[89]' || true; grep -L '^# complete' runs/*
+| model: lorenz
+| initial: {x: -15.8, y: -17.48, z: 35.64}
+| time: {end: 500, every: 1/4}
+| laws: {steps: {method: rk4, digits: 60, from: 1e-2, to: 1e-9, per_decade: 1}}
+> 143
+> 0
+
+= it goes on from what is there
+$ cat > a.yaml; cns laws -q --yaml -o runs a.yaml > first; cns laws -q --yaml a.yaml | cmp - first
+$ names() { sed 's|^runs/||; s/-reference.*//; s/-growth.*//' | sort; }; ls runs | names
+$ rm runs/digits-28-* runs/digits-68-*; touch -d '2001-01-01' runs/*
+$ cns laws -q --yaml -o runs a.yaml | cmp - first; echo again:; find runs -type f -newermt '2002-01-01' | names
 | model: lorenz
 | initial: {x: -15.8, y: -17.48, z: 35.64}
 | time: {end: 500, every: 1/4}
 | laws: {digits: {from: 8, to: 68, by: 20}}
-> 143
-> 0
 > check
 > digits-28
 > digits-48
 > digits-68
 > digits-8
 > re:^reference-[0-9]+$
+> again:
+> digits-28
+> digits-68
 
 = a case without the section, and what cannot be done
 $ cat > a.yaml; cns laws a.yaml && exit || echo $?

@@ -51,5 +51,6 @@ $ cns lyapunov "$CASES"/case4.yaml --set lyapunov.time=0
 ? 2
 
 = Ctrl-C
-$ cns lyapunov -q "$CASES"/case4.yaml --set lyapunov.time=1e6 & pid=$!; sleep 0.5; kill -INT $pid; wait $pid
+$ cns lyapunov -q "$CASES"/case4.yaml --set lyapunov.time=1e9 & wait_for "catches $!"; kill -INT $!; wait $!
 ? 130
+if test -r /proc/self/status
