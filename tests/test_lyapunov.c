@@ -5,6 +5,7 @@
 
 #include "cns/study/lyapunov.h"
 #include "problem.h"
+#include "study/batches.h"
 
 static const char *const disk[] = {"0", "0", "1", "0", "0.01", "1"};
 static const cns_setting disk_start[] = {{"theta", "1"}, {"Vy", "0.01"}, {"omega", "1"}, {NULL, NULL}};

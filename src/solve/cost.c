@@ -7,7 +7,7 @@
 #include "integrate/numerics.h"
 #include "integrate/trajectory.h"
 #include "num/logs.h"
-#include "solve_internal.h"
+#include "problem.h"
 #include "taylor/jet.h"
 
 enum {

@@ -10,8 +10,8 @@
 #include "integrate/numerics.h"
 #include "integrate/rows.h"
 #include "num/logs.h"
+#include "problem.h"
 #include "proof.h"
-#include "solve_internal.h"
 
 enum {
     DOUBLE_ORDER = 22,

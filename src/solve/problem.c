@@ -1,7 +1,7 @@
 /* What a problem asks for, and the simplest problem of all. */
 #include <stdio.h>
 
-#include "solve_internal.h"
+#include "problem.h"
 
 int cns_columns(const cns_problem *p)
 {

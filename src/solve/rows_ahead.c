@@ -6,7 +6,7 @@
 
 #include "core/monitor.h"
 #include "integrate/rows.h"
-#include "solve_internal.h"
+#include "problem.h"
 
 enum { RING = 16 };
 

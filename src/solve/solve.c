@@ -15,9 +15,9 @@
 #include "integrate/rows.h"
 #include "num/decimal_text.h"
 #include "num/logs.h"
+#include "problem.h"
 #include "proof.h"
 #include "rows_ahead.h"
-#include "solve_internal.h"
 
 enum {
     RAISES = 12,

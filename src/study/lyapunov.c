@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "batches.h"
 #include "core/memory.h"
 #include "core/monitor.h"
 #include "integrate/numerics.h"
@@ -146,22 +147,6 @@ static cns_code growth_at(walk *w, double t, double *growth, cns_error *err)
                         "t = %.12g: the tangent vanishes, or grows out of range in one step", t);
     *growth = cns_log2_2exp(l, w->exponent) * ln_2;
     return CNS_OK;
-}
-
-double cns_batch_error(const double *x, int n, int batches)
-{
-    const int size = n / batches;
-    double mean = 0, sum = 0;
-    for (int i = 0; i < n; i++)
-        mean += x[i] / n;
-    for (int b = 0; b < batches; b++) {
-        double deviation = 0;
-        for (int i = 0; i < size; i++)
-            deviation += x[b * size + i] - mean;
-        deviation /= size;
-        sum += deviation * deviation;
-    }
-    return sqrt(sum / ((double)batches * (batches - 1)));
 }
 
 cns_code cns_lyapunov(const cns_system *s, const cns_lyapunov_spec *spec, const cns_monitor *monitor,

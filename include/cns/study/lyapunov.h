@@ -59,10 +59,6 @@ typedef struct cns_lyapunov_result {
 cns_code cns_lyapunov(const cns_system *s, const cns_lyapunov_spec *spec, const cns_monitor *monitor,
                       cns_lyapunov_result *result, cns_error *err);
 
-/* The standard error of the mean of x[0..n-1] from `batches` batches of n / batches each, which must divide
- * n; at least 2. */
-double cns_batch_error(const double *x, int n, int batches);
-
 CNS_END_DECLS
 
 #endif

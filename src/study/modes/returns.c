@@ -9,6 +9,7 @@
 #include "integrate/trajectory.h"
 #include "num/logs.h"
 #include "num/vector.h"
+#include "study/batches.h"
 #include "study/saddle/fixed_point.h"
 #include "taylor/tangent.h"
 
@@ -356,27 +357,27 @@ static bool repeats(follower *F)
     return true;
 }
 
+/* ln of the growth per time from the end of batch a - 1 to that of batch b - 1. */
+static double rate(const follower *F, int a, int b)
+{
+    return (F->batch[b - 1] - F->batch[a - 1]) * CNS_LOG2_10 * 0.69314718055994530942 /
+           (F->batch_time[b - 1] - F->batch_time[a - 1]);
+}
+
 /* The mean of (growth per time) over batches from..to-1 and its standard error from means of groups. */
 static void exponent(follower *F, int from, int to)
 {
     cns_late *late = F->late;
-    double mean[GROUPS], sum = 0, squares = 0;
+    double mean[GROUPS];
     const int size = (to - from) / GROUPS;
     late->lambda_se = -1;
     if (size < 1)
         return;
     from = to - GROUPS * size;
-    for (int g = 0; g < GROUPS; g++) {
-        const int a = from + g * size, b = a + size;
-        mean[g] = (F->batch[b - 1] - F->batch[a - 1]) * CNS_LOG2_10 * 0.69314718055994530942 /
-                  (F->batch_time[b - 1] - F->batch_time[a - 1]);
-        sum += mean[g];
-    }
-    late->lambda = (F->batch[to - 1] - F->batch[from - 1]) * CNS_LOG2_10 * 0.69314718055994530942 /
-                   (F->batch_time[to - 1] - F->batch_time[from - 1]);
     for (int g = 0; g < GROUPS; g++)
-        squares += (mean[g] - sum / GROUPS) * (mean[g] - sum / GROUPS);
-    late->lambda_se = sqrt(squares / (GROUPS - 1) / GROUPS);
+        mean[g] = rate(F, from + g * size, from + (g + 1) * size);
+    late->lambda = rate(F, from, to);
+    late->lambda_se = cns_batch_error(mean, GROUPS, GROUPS);
 }
 
 /* Notes the growth at the end of a batch. */
@@ -464,9 +465,9 @@ cns_code cns_late_find(const cns_return_map *S, long digits, double horizon, cns
         if (code)
             break;
         late->time = mpfr_get_d(cns_flow_end(F.flow), MPFR_RNDN);
-        const double rate = rate_log2(&F), floor = digits > 0 ? calm_log2 * (double)digits / 16 : calm_log2;
-        F.fastest = fmax(F.fastest, rate);
-        F.calm = rate < floor ? F.calm + 1 : 0;
+        const double fast = rate_log2(&F), floor = digits > 0 ? calm_log2 * (double)digits / 16 : calm_log2;
+        F.fastest = fmax(F.fastest, fast);
+        F.calm = fast < floor ? F.calm + 1 : 0;
         if (F.calm == 1)
             late->transient = late->time;
         if (F.calm >= CALM) {

@@ -10,7 +10,7 @@
 #include "integrate/numerics.h"
 #include "laws_internal.h"
 #include "num/logs.h"
-#include "solve/solve_internal.h"
+#include "solve/problem.h"
 
 enum {
     BEYOND = 3,  /* digits of growth by which the reference outlasts the predicted last T_c */

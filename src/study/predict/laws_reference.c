@@ -13,7 +13,7 @@
 #include "integrate/trajectory.h"
 #include "num/logs.h"
 #include "num/vector.h"
-#include "solve/solve_internal.h"
+#include "solve/problem.h"
 #include "study/ensemble.h"
 
 enum {

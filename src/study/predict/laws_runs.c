@@ -11,7 +11,7 @@
 #include "num/decimal_text.h"
 #include "num/logs.h"
 #include "num/vector.h"
-#include "solve/solve_internal.h"
+#include "solve/problem.h"
 #include "study/ensemble.h"
 #include "tc_internal.h"
 

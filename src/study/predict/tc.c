@@ -8,8 +8,8 @@
 #include "integrate/numerics.h"
 #include "integrate/rows.h"
 #include "num/logs.h"
+#include "solve/problem.h"
 #include "solve/proof.h"
-#include "solve/solve_internal.h"
 
 enum {
     PREC = 64,            /* of differences and limits */

@@ -1,0 +1,12 @@
+/* What a problem asks for, where it says nothing too. */
+#ifndef CNS_SOLVE_PROBLEM_H
+#define CNS_SOLVE_PROBLEM_H
+
+#include "cns/solve.h"
+
+int cns_columns(const cns_problem *p);
+cns_column cns_column_at(const cns_problem *p, int i);
+const cns_number *cns_every(const cns_problem *p);
+bool cns_wants_outputs(const cns_problem *p); /* is a derived quantity among the columns? */
+
+#endif
