@@ -97,6 +97,11 @@ START_TEST(what_cannot_be_a_system)
     ck_assert_int_eq(err.code, CNS_USAGE);
     ck_assert_ptr_null(cns_system_parse(cns_model_find("no such thing"), none, &err));
     ck_assert_int_eq(err.code, CNS_USAGE);
+    static const cns_model_state flat[] = {{"x", "", 0}};
+    m = polynomial_model(data);
+    m.states = flat;
+    ck_assert_ptr_null(cns_system_parse(&m, none, &err));
+    ck_assert_msg(strstr(err.text, "scale of state 'x'"), "%s", err.text);
     static const char *const bad[] = {"1", "1..5", NULL}; /* the program's own failure */
     m = polynomial_model(bad);
     ck_assert_ptr_null(cns_system_parse(&m, none, &err));

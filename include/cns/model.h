@@ -1,5 +1,9 @@
-/* The registry of models: equations, states, parameters, scales and derived quantities.
- * A new model is one file in src/model and one row in src/model/registry.c. */
+/* Models: equations with the names of their states and parameters, and what else is known of them.
+ *
+ * The models of this library are found by name. Equations of your own are a cns_model that you fill yourself:
+ * name, states and build are needed, parameters and outputs where the equations have some; all else may be 0.
+ * A model that the library shall know by name is one file in src/model and one row in src/model/registry.c.
+ */
 #ifndef CNS_MODEL_H
 #define CNS_MODEL_H
 
@@ -17,7 +21,7 @@ typedef struct cns_model_state {
 typedef struct cns_model_parameter {
     const char *name;
     const char *meaning;
-    const char *standard; /* the default, as text */
+    const char *standard; /* the default, as text; NULL: it must be given */
     const char *minimum;  /* the open lower end of the range, as text; NULL: none */
 } cns_model_parameter;
 
@@ -37,6 +41,7 @@ typedef struct cns_model_motion {
     const signed char *turn_sign;   /* n_states: 1 or -1 */
     const signed char *mirror_sign; /* n_states: 1 or -1; NULL: the mirror image is no solution */
 } cns_model_motion;
+
 /* Where Newton's method for a fixed point of the dynamic states may start. */
 #define CNS_MODEL_MAX_STATES  16
 #define CNS_MODEL_MAX_GUESSES 8
@@ -83,9 +88,10 @@ struct cns_model {
     const cns_model_parameter *parameters;
     const cns_model_output *outputs;
     const cns_model_motion *motion; /* NULL: no state is an angle */
-    /* Writes the right-hand side and the outputs (in the order of `outputs`) into a new program. */
+    /* Writes the right-hand side and the outputs (in the order of `outputs`) into a new program, from the
+     * model's own data if it has some. */
     void (*build)(cns_program *p, const cns_model *model);
-    const void *data; /* of build's own; may be NULL */
+    const void *data;
     /* The guesses for all fixed points that there are with these parameters, at most CNS_MODEL_MAX_GUESSES,
      * up to turns of an angle by 2 pi; returns how many. NULL: the model knows none. */
     int (*equilibria)(const double *parameters, cns_model_guess *guesses);
@@ -99,7 +105,7 @@ int cns_model_count(void);
 const cns_model *cns_model_at(int i);
 const cns_model *cns_model_find(const char *name); /* NULL when there is none */
 
-/* A finished program of the model. The parameters are checked against nothing: case files do that. */
+/* A finished program of the model with parameters that are checked against nothing; cns_system_new() does. */
 cns_code cns_model_program(const cns_model *m, const cns_number *parameters,
                            const cns_program_options *options, cns_program **program, cns_error *err);
 

@@ -1,5 +1,6 @@
 #include "cns/system.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -71,6 +72,10 @@ static cns_code check(const cns_system *s, cns_error *err)
 {
     cns_code code = CNS_OK;
     cns_number least;
+    for (int i = 0; i < s->model->n_states; i++)
+        if (!(s->scales[i] > 0) || isinf(s->scales[i]))
+            return cns_fail(err, CNS_USAGE, "the scale of state '%s' of model %s must be > 0, not %g",
+                            s->model->states[i].name, s->model->name, s->scales[i]);
     cns_number_init(&least);
     for (int i = 0; i < s->model->n_parameters && !code; i++) {
         const cns_model_parameter *p = &s->model->parameters[i];

@@ -34,11 +34,12 @@ enum {
     RECENT = 3
 };
 
-/* A parameter that was probed. */
+/* A parameter that was probed, and what the probe said (see cns_passage). */
 typedef struct point {
     char *text;
-    mpfr_t value, miss;
-    int side;
+    mpfr_t value; /* of the text */
+    mpfr_t miss;
+    int side; /* 0: the digits of the probe did not tell */
     double loss;
 } point;
 
@@ -54,9 +55,11 @@ typedef struct search {
     point lower, upper;
     point recent[RECENT]; /* the last probes, the latest first */
     int n_recent;
-    double gain_log10; /* log10 of K where error = K error error for secants */
-    double loss;       /* digits that probes need for their start */
-    char word[128];
+    /* log10 of K: a secant through two points whose distances from the zero are e1 and e2 leads to within
+     * K e1 e2 of it. */
+    double gain_log10;
+    double loss;    /* digits by which a probe needs more than its miss shall have (see cns_passage) */
+    char word[128]; /* what is going on, for progress */
 } search;
 
 /* Probes, as jobs of an ensemble. */

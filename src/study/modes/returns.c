@@ -185,24 +185,31 @@ typedef struct follower {
     cns_late *late;
     cns_trajectory *trajectory; /* with events: condition 0 are returns, 1 extrema of the observable */
     cns_flow *flow;             /* the trajectory's */
-    mpq_t time;
-    mpfr_t x;
-    mpfr_t *z; /* HISTORY reduced states of d numbers, return j in place j % HISTORY */
-    int direction[HISTORY], side[HISTORY]; /* of the angle: as reduced, and true */
-    long turns[HISTORY];
+    mpq_t time;                 /* scratch, */
+    mpfr_t x;                   /* and of the run's precision */
+
+    /* The last returns, number j in place j % HISTORY: reduced states of d numbers, the direction in which
+     * the angle moved there, as the reduced state has it and as it was, and the turns it had made. */
     long count;
-    int streak[CNS_MOST_RETURNS + 1]; /* returns in a row that were near to the one so many before */
-    double *all, *times;              /* all reduced states and their times, for the transient */
+    mpfr_t *z;
+    int direction[HISTORY], side[HISTORY];
+    long turns[HISTORY];
+    int streak[CNS_MOST_RETURNS + 1]; /* [n]: how many returns in a row were near to the one n before them */
+
+    /* All returns, in double, to tell afterwards when the transient ended. */
+    double *all, *times;
     long room;
-    int calm;
-    double fastest;             /* rate of change, log2, the most since the last return */
-    bool chaos;                 /* growth is surely exponential */
-    double growing_until;       /* growth is no longer followed from this time on; < 0: it is */
-    double batch[MOST_BATCHES]; /* log10 of growth at their ends */
-    double batch_time[MOST_BATCHES];
+
+    int calm;       /* steps in a row with hardly any change */
+    double fastest; /* log2 of the largest rate of change since the last return */
+
+    /* Growth, in batches of batch_steps steps: log10 of it at their ends, and the times of these. When the
+     * batches are full, each two become one. */
     int batches;
-    long batch_steps, next_batch;
-    double growth_log10;
+    double batch[MOST_BATCHES], batch_time[MOST_BATCHES];
+    long batch_steps, next_batch; /* the latter a number of steps of the run */
+    bool chaos;                   /* the exponent is above zero by `sure` standard errors */
+    double growing_until;         /* growth is no longer followed from this time on; < 0: it is */
 } follower;
 
 static void close_follower(follower *F)
@@ -336,10 +343,8 @@ static bool repeats(follower *F)
         const double gap =
             F->direction[j % HISTORY] == F->direction[(j - n) % HISTORY] ? gap_log2(F, j, j - n) : HUGE_VAL;
         F->streak[n] = gap < repeat_log2 + fmin(F->fastest, 0) ? F->streak[n] + 1 : 0;
-        if (found == 0 && F->streak[n] >= (n < 2 ? 5 : 2 * n + 2)) {
+        if (found == 0 && F->streak[n] >= (n < 2 ? 5 : 2 * n + 2))
             found = n;
-            late->gap_log2 = gap;
-        }
     }
     if (found == 0)
         return false;
@@ -383,10 +388,9 @@ static void exponent(follower *F, int from, int to)
 /* Notes the growth at the end of a batch. */
 static cns_code end_batch(follower *F, cns_error *err)
 {
-    double noise;
+    double growth = 0, noise;
     mpfr_get_q(F->time, cns_flow_end(F->flow));
-    cns_code code =
-        cns_growth_at(cns_trajectory_growth(F->trajectory), F->time, &F->growth_log10, &noise, err);
+    cns_code code = cns_growth_at(cns_trajectory_growth(F->trajectory), F->time, &growth, &noise, err);
     if (F->batches == MOST_BATCHES) { /* twice as long ones from now on */
         for (int i = 0; i < MOST_BATCHES / 2; i++) {
             F->batch[i] = F->batch[2 * i + 1];
@@ -395,7 +399,7 @@ static cns_code end_batch(follower *F, cns_error *err)
         F->batches /= 2;
         F->batch_steps *= 2;
     }
-    F->batch[F->batches] = F->growth_log10;
+    F->batch[F->batches] = growth;
     F->batch_time[F->batches++] = mpfr_get_d(cns_flow_end(F->flow), MPFR_RNDN);
     F->next_batch += F->batch_steps;
     if (F->batches < LEAST_BATCHES || F->batches % 8 != 0)
@@ -411,7 +415,7 @@ static cns_code end_batch(follower *F, cns_error *err)
 static cns_code at_meetings(follower *F, bool *over, cns_error *err)
 {
     cns_late *late = F->late;
-    double growth, noise;
+    double growth = 0, noise;
     cns_code code = CNS_OK;
     const cns_meetings *meetings = cns_trajectory_meetings(F->trajectory);
     for (int i = 0; i < cns_meetings_count(meetings) && !code && !*over; i++) {
@@ -478,13 +482,11 @@ cns_code cns_late_find(const cns_return_map *S, long digits, double horizon, cns
         if (!code && !over && F.growing_until < 0 && cns_flow_steps(F.flow) >= F.next_batch)
             code = end_batch(&F, err);
     }
-    if (F.flow != NULL)
-        late->steps = cns_flow_steps(F.flow);
     if (late->kind == CNS_LATE_CHAOS)
         late->transient = F.batch_time[F.batches / 2];
     late->looks_chaotic = F.chaos;
     late->trusted = late->noise_log2 < distrust_log2;
-    if (F.growing_until >= 0) /* noise goes on growing like that */
+    if (F.growing_until >= 0) /* noise was not followed from then on: it grows at the mean rate */
         late->noise_log2 += late->lambda * (late->time - F.growing_until) * LOG2_E;
     close_follower(&F);
     return code;

@@ -44,28 +44,36 @@ typedef enum cns_late_kind {
     CNS_LATE_CHAOS
 } cns_late_kind;
 
+/* The late part of a motion. What stands under a kind applies to that kind only. */
 typedef struct cns_late {
     cns_late_kind kind;
-    int returns;         /* cycle: in one repetition up to symmetry */
-    int direction;       /* of the angle at z; 1 where reduced states are mirrored */
-    int d;               /* numbers in a reduced state */
-    int side;            /* the angle's true direction at the last return */
-    long turns;          /* and its turns there */
-    mpfr_t *z;           /* cycle: the reduced states of its last `returns` returns, the last one first */
-    long cycle_turns;    /* turns of the angle in one repetition */
-    bool cycle_mirrored; /* it ends in the mirror image */
-    double gap_log2;     /* and how far it was from the one before, in scales */
-    double *rest;        /* steady: d dynamic states, */
-    bool *moves;         /* and which of them have not stayed exactly what they were at first */
-    bool looks_chaotic;  /* growth is surely exponential, whatever the kind */
-    bool trusted;        /* noise has never grown to what could decide anything */
-    double trusted_time; /* up to the last return at which it had not */
-    double noise_log2;   /* the most that it has grown to at a return, in scales */
+    int d;                    /* numbers in a reduced state: the dynamic states */
+    int side;                 /* the direction, 1 or -1, in which the angle moved at the last return, */
+    long turns;               /* and how many turns it had made by then */
+    double time;              /* the motion was followed up to here, */
+    double transient;         /* and its late part began here */
     double lambda, lambda_se; /* exponent of the second half of the time followed; se < 0: too short */
-    double transient;         /* the late motion is there from this time on */
-    double time;              /* followed up to */
-    long steps;
-    int extrema; /* chaos: the last maxima of the observable */
+    bool looks_chaotic;       /* lambda is above zero by six standard errors, whatever the kind */
+
+    /* log2, in scales, of the largest error at a return that the rounding noise of the run has grown to; a
+     * run is trusted while that is below 2^-16: a larger one might turn the motion into another. */
+    double noise_log2;
+    bool trusted;        /* to the end */
+    double trusted_time; /* the last return at which it was */
+
+    /* CNS_LATE_CYCLE */
+    int returns;   /* in one repetition, symmetries left out */
+    int direction; /* of the angle at z; 1 where reduced states are mirrored */
+    mpfr_t *z;     /* the reduced states of the last `returns` returns, d numbers each, the last one first */
+    long cycle_turns;    /* turns of the angle in one repetition */
+    bool cycle_mirrored; /* one repetition ends in the mirror image */
+
+    /* CNS_LATE_STEADY: the d dynamic states, and which of them are not exactly what they were at t = 0 */
+    double *rest;
+    bool *moves;
+
+    /* CNS_LATE_CHAOS: so many maxima of the observable were met; maximum i is in place i % 64 */
+    int extrema;
     double extremum[64];
 } cns_late;
 
