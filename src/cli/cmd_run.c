@@ -10,8 +10,8 @@
 
 typedef struct run_context {
     cns_context *cx;
-    cns_table *table; /* NULL: --yaml without -o */
-    cns_wanted wanted;
+    cns_table *table;       /* NULL: --yaml without -o */
+    cns_event_table events; /* without --events empty */
 } run_context;
 
 static void announce(run_context *r, const cns_run_info *run)
@@ -38,10 +38,8 @@ static cns_code on_begin(void *context, const cns_run_info *run, cns_error *err)
     run_context *r = context;
     r->cx->since = cns_seconds(); /* progress is that of this attempt */
     announce(r, run);
-    cns_code code = r->wanted.n > 0 ? cns_wanted_begin(&r->wanted, err) : CNS_OK;
-    if (code)
-        return code;
-    return r->table ? cns_table_begin(r->table, run, err) : CNS_OK;
+    cns_code code = r->events.n > 0 ? cns_event_table_begin(&r->events, err) : CNS_OK;
+    return !code && r->table ? cns_table_begin(r->table, run, err) : code;
 }
 
 static cns_code on_row(void *context, const cns_row *row, cns_error *err)
@@ -54,7 +52,7 @@ static cns_code on_event(void *context, const cns_event *event, cns_error *err)
 {
     run_context *r = context;
     (void)err;
-    cns_wanted_event(&r->wanted, r->cx->c->model, event);
+    cns_event_table_add(&r->events, event);
     return CNS_OK;
 }
 
@@ -77,65 +75,83 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *found)
 /* Of the YAML alone: the table is written row by row. */
 static const cns_view summary = {.yaml = print_yaml};
 
-static int run(cns_context *cx)
+static int open_outputs(run_context *r)
 {
-    const cns_options *o = cx->o;
-    const cns_case *c = cx->c;
-    run_context r = {.cx = cx};
-    cns_error err = {0}, io = {0};
-    cns_result result = {.decimals = -1};
-    int status = 0;
-    if (!c->has_goal && !c->has_numerics) {
-        fprintf(stderr, "%s:1:1: neither 'goal' nor 'numerics': `cns run` needs one of them\n", c->name);
-        return CNS_USAGE;
-    }
+    const cns_options *o = r->cx->o;
+    cns_error err = {0};
     if (o->events == NULL && o->sections.n > 0)
-        status = cns_complain(CNS_USAGE, "--section names an event for --events FILE, which is missing");
-    else if (o->events != NULL)
-        status = cns_wanted_open(&r.wanted, o, c->model);
-    if (status)
-        return status;
-    if (!o->yaml || o->output) {
-        r.table = cns_table_open(o->output, c, &err);
-        if (!r.table) {
-            cns_wanted_close(&r.wanted);
-            return cns_complain(err.code, "%s", err.text);
-        }
+        return cns_complain(CNS_USAGE, "--section names an event for --events FILE, which is missing");
+    int status = o->events != NULL ? cns_event_table_open(&r->events, r->cx) : 0;
+    if (!status && (!o->yaml || o->output)) {
+        r->table = cns_table_open(o->output, r->cx->c, &err);
+        if (!r->table)
+            status = cns_complain(err.code, "%s", err.text);
     }
-    cns_sink sink = {.context = &r, .begin = on_begin, .row = on_row, .event = on_event};
-    cx->problem.sink = &sink;
-    cx->problem.conditions = r.wanted.sections;
-    cx->problem.n_conditions = r.wanted.n;
-    cns_code code = c->has_goal ? cns_solve_goal(&cx->problem, &c->goal, &result, &err)
-                                : cns_solve_numerics(&cx->problem, &c->numerics, o->prove, &result, &err);
+    return status;
+}
 
-    bool gone = r.table && cns_table_reader_gone(r.table);
-    if (gone)
-        cns_meter_clear(&cx->meter);
-    status = gone ? CNS_STOPPED + SIGPIPE : cns_context_status(cx, code, &err);
-    const char *reason = !code || result.complete ? NULL : err.text;
+/* Ends the tables of a run that answered `code`, and tells what it was. An exit status. */
+static int close_outputs(run_context *r, const cns_result *result, cns_code code, const cns_error *err)
+{
+    cns_error io = {0};
+    const char *reason = !code || result->complete ? NULL : err->text;
+    const bool gone = r->table && cns_table_reader_gone(r->table);
     const bool abandoned = gone || code == CNS_IO;
-    if (r.table && abandoned) {
-        cns_table_abandon(r.table);
-    } else if (r.table) {
-        code = cns_table_close(r.table, reason, &io);
+    if (gone)
+        cns_meter_clear(&r->cx->meter);
+    int status = gone ? CNS_STOPPED + SIGPIPE : cns_context_status(r->cx, code, err);
+    if (r->table && abandoned) {
+        cns_table_abandon(r->table);
+    } else if (r->table) {
+        code = cns_table_close(r->table, reason, &io);
         if (code == CNS_STOPPED)
             status = CNS_STOPPED + SIGPIPE;
         else if (code)
             status = cns_complain(code, "%s", io.text);
     }
-    if (o->events != NULL && !abandoned) {
+    if (r->events.n > 0 && !abandoned) {
         int written =
-            cns_wanted_write(&r.wanted, c, result.events_end.code ? result.events_end.text : reason);
+            cns_event_table_write(&r->events, result->events_end.code ? result->events_end.text : reason);
         status = written ? written : status;
     }
-    cns_wanted_close(&r.wanted);
+    return status;
+}
+
+static int compute(run_context *r)
+{
+    cns_context *cx = r->cx;
+    const cns_options *o = cx->o;
+    const cns_case *c = cx->c;
+    const cns_sink sink = {.context = r, .begin = on_begin, .row = on_row, .event = on_event};
+    cns_error err = {0};
+    cns_result result = {.decimals = -1};
+    cx->problem.sink = &sink;
+    cx->problem.conditions = r->events.condition;
+    cx->problem.n_conditions = r->events.n;
+    cns_code code = c->has_goal ? cns_solve_goal(&cx->problem, &c->goal, &result, &err)
+                                : cns_solve_numerics(&cx->problem, &c->numerics, o->prove, &result, &err);
+    int status = close_outputs(r, &result, code, &err);
     if (o->yaml && (status == CNS_OK || status == CNS_UNREACHED)) {
-        int printed = cns_show(cx, &summary, &result);
-        status = printed ? printed : status;
+        int shown = cns_show(cx, &summary, &result);
+        status = shown ? shown : status;
     }
     if (o->verbose && !status)
         fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", result.steps, result.landings, result.wall_s);
+    return status;
+}
+
+static int run(cns_context *cx)
+{
+    const cns_case *c = cx->c;
+    run_context r = {.cx = cx};
+    if (!c->has_goal && !c->has_numerics) {
+        fprintf(stderr, "%s:1:1: neither 'goal' nor 'numerics': `cns run` needs one of them\n", c->name);
+        return CNS_USAGE;
+    }
+    int status = open_outputs(&r);
+    if (!status)
+        status = compute(&r);
+    cns_event_table_close(&r.events);
     return status;
 }
 

@@ -3,14 +3,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/files.h"
 #include "core/memory.h"
 #include "core/text.h"
 #include "io/provenance.h"
 #include "report.h"
 
-static cns_code parse_section(cns_event_condition *s, const cns_model *model, const char *text,
-                              cns_error *err)
+static cns_code parse_condition(cns_event_condition *s, const cns_model *model, const char *text,
+                                cns_error *err)
 {
     const char *equals = strchr(text, '='), *mod = strstr(text, " mod ");
     if (equals == NULL)
@@ -38,65 +37,64 @@ static cns_code parse_section(cns_event_condition *s, const cns_model *model, co
     return code;
 }
 
-int cns_wanted_open(cns_wanted *w, const cns_options *o, const cns_model *model)
+int cns_event_table_open(cns_event_table *t, const cns_context *cx)
 {
     cns_error err = {0};
+    const cns_texts *sections = &cx->o->sections;
+    const cns_model *model = cx->c->model;
     const cns_model_motion *motion = model->motion;
     cns_code code = CNS_OK;
-    *w = (cns_wanted){.o = o};
-    w->sections = cns_xalloc((size_t)o->sections.n + 2, sizeof *w->sections);
-    for (int i = 0; i < o->sections.n + 2; i++)
-        cns_event_condition_init(&w->sections[i]);
+    *t = (cns_event_table){.cx = cx, .room = sections->n + 2};
+    t->condition = cns_xalloc((size_t)t->room, sizeof *t->condition);
+    for (int i = 0; i < t->room; i++)
+        cns_event_condition_init(&t->condition[i]);
     if (motion != NULL) {
         char text[32];
-        cns_event_condition *s = &w->sections[w->n++];
+        cns_event_condition *s = &t->condition[t->n++];
         snprintf(text, sizeof text, motion->turns == 2 ? "pi" : "2*pi/%d", motion->turns);
         s->kind = CNS_CONDITION_PERIODS;
         s->state = motion->angle;
         code = cns_number_parse(&s->period, text, &err);
         if (motion->rate >= 0)
-            w->sections[w->n++].state = motion->rate;
+            t->condition[t->n++].state = motion->rate;
     }
-    for (int i = 0; i < o->sections.n && !code; i++)
-        code = parse_section(&w->sections[w->n++], model, o->sections.at[i], &err);
-    if (!code && w->n == 0)
+    for (int i = 0; i < sections->n && !code; i++)
+        code = parse_condition(&t->condition[t->n++], model, sections->at[i], &err);
+    if (!code && t->n == 0)
         code = cns_fail(&err, CNS_USAGE, "model %s has no events of its own: name one with --section",
                         model->name);
-    if (!code)
-        return 0;
-    cns_wanted_close(w);
-    return cns_complain(code, "%s", err.text);
+    return code ? cns_complain(code, "%s", err.text) : 0;
 }
 
-static void forget_lines(cns_wanted *w)
+static void forget_lines(cns_event_table *t)
 {
-    if (w->lines != NULL)
-        fclose(w->lines);
-    free(w->text);
-    w->lines = NULL;
-    w->text = NULL;
+    if (t->lines != NULL)
+        fclose(t->lines);
+    free(t->text);
+    t->lines = NULL;
+    t->text = NULL;
 }
 
-void cns_wanted_close(cns_wanted *w)
+void cns_event_table_close(cns_event_table *t)
 {
-    forget_lines(w);
-    for (int i = 0; w->sections != NULL && i < w->o->sections.n + 2; i++)
-        cns_event_condition_clear(&w->sections[i]);
-    free(w->sections);
-    w->sections = NULL;
+    forget_lines(t);
+    for (int i = 0; i < t->room; i++)
+        cns_event_condition_clear(&t->condition[i]);
+    free(t->condition);
 }
 
-cns_code cns_wanted_begin(cns_wanted *w, cns_error *err)
+cns_code cns_event_table_begin(cns_event_table *t, cns_error *err)
 {
-    forget_lines(w);
-    w->lines = open_memstream(&w->text, &w->size);
-    return w->lines != NULL ? CNS_OK : cns_fail(err, CNS_NUMERIC, "out of memory");
+    forget_lines(t);
+    t->lines = open_memstream(&t->text, &t->size);
+    return t->lines != NULL ? CNS_OK : cns_fail(err, CNS_NUMERIC, "out of memory");
 }
 
-void cns_wanted_event(cns_wanted *w, const cns_model *model, const cns_event *e)
+void cns_event_table_add(cns_event_table *t, const cns_event *e)
 {
-    FILE *out = w->lines;
-    const cns_event_condition *s = &w->sections[e->condition];
+    FILE *out = t->lines;
+    const cns_model *model = t->cx->c->model;
+    const cns_event_condition *s = &t->condition[e->condition];
     const char *name = model->states[s->state].name;
     if (s->kind == CNS_CONDITION_EXTREMUM)
         fprintf(out, "%s extremum", name);
@@ -115,16 +113,17 @@ void cns_wanted_event(cns_wanted *w, const cns_model *model, const cns_event *e)
         fprintf(out, ",\n");
 }
 
-int cns_wanted_write(cns_wanted *w, const cns_case *c, const char *reason)
+int cns_event_table_write(const cns_event_table *t, const char *reason)
 {
-    cns_error err = {0};
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (out == NULL)
-        return cns_complain(CNS_NUMERIC, "out of memory");
+    const cns_options *o = t->cx->o;
+    const cns_case *c = t->cx->c;
+    cns_page page;
+    int status = cns_page_open(&page);
+    if (status)
+        return status;
+    FILE *out = page.file;
     cns_provenance_begin(out, c, "events of ", CNS_PROVENANCE_EQUATIONS);
-    fprintf(out, c->has_goal || w->o->prove
+    fprintf(out, c->has_goal || o->prove
                      ? "# proof: two runs of different precision and order; convergence under refinement and "
                        "measured growth, not interval arithmetic\n"
                      : "# UNPROVEN\n");
@@ -132,13 +131,10 @@ int cns_wanted_write(cns_wanted *w, const cns_case *c, const char *reason)
     for (int i = 0; i < c->model->n_states; i++)
         fprintf(out, ",%s", c->model->states[i].name);
     fprintf(out, ",decimals\n");
-    if (w->lines != NULL) {
-        fflush(w->lines);
-        fputs(w->text, out);
+    if (t->lines != NULL) {
+        fflush(t->lines);
+        fputs(t->text, out);
     }
     cns_provenance_end(out, reason);
-    fclose(out);
-    cns_code code = cns_file_replace(w->o->events, text, &err);
-    free(text);
-    return code ? cns_complain(code, "%s", err.text) : 0;
+    return cns_page_write(&page, o->events);
 }

@@ -5,25 +5,25 @@
 #include "cns/solve.h"
 #include "context.h"
 
-/* The conditions of --section and the model's own, and the lines of events that have been told. */
-typedef struct cns_wanted {
-    const cns_options *o;
-    int n;
-    cns_event_condition *sections;
-    FILE *lines; /* into text */
+typedef struct cns_event_table {
+    const cns_context *cx;
+    int n, room;                    /* how many conditions, and for how many there is room */
+    cns_event_condition *condition; /* the model's own, then those of --section */
+    FILE *lines;                    /* of the events told so far, into text; NULL: none were */
     char *text;
     size_t size;
-} cns_wanted;
+} cns_event_table;
 
-/* An exit status; when it is not 0 the message is out and nothing is left to close. */
-int cns_wanted_open(cns_wanted *w, const cns_options *o, const cns_model *model);
-void cns_wanted_close(cns_wanted *w);
+/* An exit status, with the message out. To be closed in any case. */
+int cns_event_table_open(cns_event_table *t, const cns_context *cx);
+void cns_event_table_close(cns_event_table *t);
 
-/* Forgets the lines of an attempt before. */
-cns_code cns_wanted_begin(cns_wanted *w, cns_error *err);
-void cns_wanted_event(cns_wanted *w, const cns_model *model, const cns_event *e);
+/* Forgets what an earlier attempt told. */
+cns_code cns_event_table_begin(cns_event_table *t, cns_error *err);
+void cns_event_table_add(cns_event_table *t, const cns_event *e);
 
-/* Writes the table; reason: why it ends too early, NULL: it does not. An exit status. */
-int cns_wanted_write(cns_wanted *w, const cns_case *c, const char *reason);
+/* Writes the table into the file of --events. reason: why it ends too early; NULL: it does not. An exit
+ * status. */
+int cns_event_table_write(const cns_event_table *t, const char *reason);
 
 #endif
