@@ -46,7 +46,7 @@ TEST_SOURCES  := $(sort $(wildcard tests/*.c))
 TOOL_SOURCES  := $(sort $(wildcard tools/*.c))
 HEADERS       := $(sort $(shell find include -name '*.h'))
 FORMATTED     := $(LIB_SOURCES) $(CLI_SOURCES) $(TEST_SOURCES) $(TOOL_SOURCES) $(HEADERS) \
-                 $(sort $(shell find src -name '*.h') $(wildcard tests/*.h tools/*.h))
+                 $(sort $(shell find src -name '*.h') $(wildcard tests/*.h tools/*.h tools/examples/*.c))
 
 quoted  = '$(subst ','\'',$(1))'
 objects = $(patsubst %.c,$(B)/obj/%.o,$(1))

@@ -46,15 +46,14 @@ typedef struct cns_run_info {
     long proof_digits; /* of the coarser run; 0: no proof */
     mpfr_prec_t proof_prec;
     int proof_order;
-    const char *kernel;    /* of the printed run's arithmetic: avx512ifma, portable, mpfr, double */
-    bool planned;          /* by goal: the following are predictions */
-    double followed;       /* the last time that the preliminary run reached */
-    double growth;         /* log10 of the largest growth of noise expected */
-    double margin;         /* digits added for its fluctuation */
-    double steps, seconds; /* of the printed run; of both, on a machine with nothing else to do */
-    double
-        done[CNS_PLAN_PARTS]; /* which part of these seconds has gone at the end of each part of the time */
-    double memory;            /* bytes, the program itself and its libraries with it */
+    const char *kernel;          /* of the printed run's arithmetic: avx512ifma, portable, mpfr, double */
+    bool planned;                /* by goal: the following are predictions */
+    double followed;             /* the last time that the preliminary run reached */
+    double growth;               /* log10 of the largest growth of noise expected */
+    double margin;               /* digits added for its fluctuation */
+    double steps, seconds;       /* of the printed run; of both, on a machine with nothing else to do */
+    double done[CNS_PLAN_PARTS]; /* of each part of the time: which part of the seconds has gone at its end */
+    double memory;               /* bytes, the program itself and its libraries with it */
 } cns_run_info;
 
 typedef struct cns_row {
@@ -87,9 +86,9 @@ typedef struct cns_sink {
 /* A system, and the rows and events wanted of its trajectory. All is borrowed. */
 typedef struct cns_problem {
     const cns_system *system;
-    const cns_number *end,
-        *every;                /* rows at multiples of every and at the end; every NULL: at 0 and the end */
-    const cns_column *columns; /* NULL: the time and all states */
+    const cns_number *end;   /* rational, > 0 */
+    const cns_number *every; /* rows at its multiples and at the end; rational, > 0; NULL: at 0 and the end */
+    const cns_column *columns; /* n_columns of them; NULL: the time and all states */
     int n_columns;
     const cns_event_condition *conditions; /* whose meetings are wanted, too; NULL: none */
     int n_conditions;
@@ -110,14 +109,17 @@ typedef struct cns_result {
     double wall_s;
 } cns_result;
 
-/* CNS_UNREACHED: the table is honest but falls short of the goal (err says how); others as usual. */
+/* The rows and events of a problem, to its sink. CNS_UNREACHED: the table is honest but falls short of the
+ * goal (err says how); CNS_USAGE: times that are not rational and positive, a count below 1; CNS_NUMERIC: a
+ * singularity, or an error that the proof found; CNS_STOPPED by the monitor; or what the sink returned. */
 cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *result, cns_error *err);
 cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *numerics, bool prove,
                             cns_result *result, cns_error *err);
 
-/* Time and states at t = 0, every, 2 every, ... and end, proven to so many decimals, as lines of
- * comma-separated values after a line of names: the simplest use of cns_solve_goal(), rows being written to
- * `out` as they are proven. Times are texts (see number.h), rational and > 0; every NULL: at 0 and the end.
+/* Time, states and derived quantities at t = 0, every, 2 every, ... and end, proven to so many decimals, as
+ * lines of comma-separated values after a line of names: the simplest use of cns_solve_goal(), rows being
+ * written to `out` as they are proven. Times are texts (see number.h), rational and > 0; every NULL: at 0 and
+ * the end.
  */
 cns_code cns_solve_print(const cns_system *s, const char *end, const char *every, long decimals, FILE *out,
                          cns_error *err);

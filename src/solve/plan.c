@@ -111,6 +111,11 @@ static void fill_schedule(cns_schedule *schedule, const needs *need, double end,
 cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan, cns_schedule *schedule,
                   cns_error *err)
 {
+    const cns_code refused = cns_problem_check(p, err);
+    if (refused)
+        return refused;
+    if (goal->count < 1)
+        return cns_fail(err, CNS_USAGE, "a goal is at least one decimal or significant digit");
     cns_trajectory_spec spec = {.flow = cns_flow_spec_taylor(cns_system_program(p->system),
                                                              cns_system_scales(p->system), CNS_ARITH_DOUBLE,
                                                              CNS_DOUBLE_DIGITS),

@@ -1,7 +1,21 @@
 /* What a problem asks for, and the simplest problem of all. */
 #include <stdio.h>
+#include <stdlib.h>
 
+#include "core/memory.h"
 #include "problem.h"
+
+static bool is_time(const cns_number *x)
+{
+    return x != NULL && x->pi_power == 0 && cns_number_sign(x) > 0;
+}
+
+cns_code cns_problem_check(const cns_problem *p, cns_error *err)
+{
+    if (is_time(p->end) && is_time(cns_every(p)))
+        return CNS_OK;
+    return cns_fail(err, CNS_USAGE, "the times of rows must be rational and positive");
+}
 
 int cns_columns(const cns_problem *p)
 {
@@ -41,34 +55,35 @@ static cns_code print_row(void *context, const cns_row *row, cns_error *err)
     return ferror(p->out) ? cns_fail(err, CNS_IO, "a row cannot be written") : CNS_OK;
 }
 
-static cns_code parse_time(cns_number *t, const char *text, const char *what, cns_error *err)
-{
-    const cns_code code = cns_number_parse(t, text, err);
-    if (!code && (t->pi_power != 0 || cns_number_sign(t) <= 0))
-        return cns_fail(err, CNS_USAGE, "the %s of a table is a rational number > 0, not '%.64s'", what,
-                        t->text);
-    return code;
-}
-
 cns_code cns_solve_print(const cns_system *s, const char *end, const char *every, long decimals, FILE *out,
                          cns_error *err)
 {
     const cns_model *m = cns_system_model(s);
-    printer p = {.out = out, .columns = 1 + m->n_states};
+    printer p = {.out = out, .columns = 1 + m->n_states + m->n_outputs};
+    cns_column *columns = cns_xalloc((size_t)p.columns, sizeof *columns); /* the first is the time */
     const cns_sink sink = {.context = &p, .row = print_row};
     const cns_goal goal = {.places = CNS_PLACES_DECIMALS, .count = decimals};
     cns_number last, step;
     cns_result result;
     cns_number_init(&last);
     cns_number_init(&step);
-    cns_code code = parse_time(&last, end, "end", err);
+    const cns_problem problem = {
+        .system = s, .end = &last, .every = &step, .columns = columns, .n_columns = p.columns, .sink = &sink};
+    for (int i = 0; i < m->n_states; i++)
+        columns[1 + i] = (cns_column){CNS_COLUMN_STATE, i};
+    for (int i = 0; i < m->n_outputs; i++)
+        columns[1 + m->n_states + i] = (cns_column){CNS_COLUMN_OUTPUT, i};
+    cns_code code = cns_number_parse(&last, end, err);
     if (!code)
-        code = parse_time(&step, every != NULL ? every : end, "step", err);
+        code = cns_number_parse(&step, every != NULL ? every : end, err);
+    if (!code)
+        code = cns_problem_check(&problem, err);
     if (!code) {
-        const cns_problem problem = {.system = s, .end = &last, .every = &step, .sink = &sink};
         fputc('t', out);
         for (int i = 0; i < m->n_states; i++)
             fprintf(out, ",%s", m->states[i].name);
+        for (int i = 0; i < m->n_outputs; i++)
+            fprintf(out, ",%s", m->outputs[i].name);
         fputc('\n', out);
         code = cns_solve_goal(&problem, &goal, &result, err);
     }
@@ -76,5 +91,6 @@ cns_code cns_solve_print(const cns_system *s, const char *end, const char *every
         code = cns_fail(err, CNS_IO, "a row cannot be written");
     cns_number_clear(&last);
     cns_number_clear(&step);
+    free(columns);
     return code;
 }

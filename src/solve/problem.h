@@ -4,6 +4,9 @@
 
 #include "cns/solve.h"
 
+/* CNS_USAGE: the end or the distance of rows is not rational and positive. */
+cns_code cns_problem_check(const cns_problem *p, cns_error *err);
+
 int cns_columns(const cns_problem *p);
 cns_column cns_column_at(const cns_problem *p, int i);
 const cns_number *cns_every(const cns_problem *p);

@@ -435,9 +435,12 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
     cns_proof_runs runs;
     walk w;
     *result = (cns_result){.decimals = -1, .run = {.attempt = 1}};
+    cns_code code = cns_problem_check(p, err);
+    if (code)
+        return code;
     cns_proof_of_numerics(&runs, p, n, prove);
     demand d = {.places = CNS_PLACES_DECIMALS, .count = runs.coarse_digits};
-    cns_code code = walk_open(&w, p, &runs, 0, 0, result, err);
+    code = walk_open(&w, p, &runs, 0, 0, result, err);
     if (!code)
         code = go(&w, &d, result, err);
     walk_close(&w, result);
