@@ -74,7 +74,7 @@ JOBS      = $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
 MAKE_JOBS = --no-print-directory $(if $(findstring -j,$(MAKEFLAGS)),,-j$(JOBS))
 
 # Suites that say most about memory; the others take hours under valgrind.
-VALGRIND_SUITES ?= number decimal_text case roots program recurrences tangent ensemble
+VALGRIND_SUITES ?= number decimal_text case roots program jet tangent ensemble
 VALGRIND = CNS_KERNEL=portable CK_DEFAULT_TIMEOUT=36000 valgrind -q --error-exitcode=99 --leak-check=full \
            --errors-for-leak-kinds=definite
 

@@ -96,7 +96,7 @@ cns_model unit_model(int n, void (*build)(cns_program *p, const cns_model *model
 {
     static const cns_model_state states[] = {{"x0", "", 1}, {"x1", "", 1}, {"x2", "", 1},
                                              {"x3", "", 1}, {"x4", "", 1}, {"x5", "", 1}};
-    ck_assert_int_le(n, (int)(sizeof states / sizeof *states));
+    ck_assert_int_le(n, COUNT(states));
     return (cns_model){.name = "test", .n_states = n, .states = states, .build = build, .data = data};
 }
 
@@ -198,25 +198,28 @@ double log2_distance(const mpfr_t x, const mpfr_t y)
     return l;
 }
 
-void reference_row(const char *table, const char *t, mpfr_t *x, int n)
+char *reference_text(const char *table, const char *t)
 {
-    char path[512], line[4096];
+    char path[512], line[4096], *found = NULL;
     const char *tests = getenv("CNS_TESTS");
     size_t length = strlen(t);
     snprintf(path, sizeof path, "%s/reference/%s", tests && *tests ? tests : "tests", table);
     FILE *in = fopen(path, "r");
     ck_assert_msg(in != NULL, "%s: cannot be opened", path);
-    while (fgets(line, sizeof line, in)) {
-        if (strncmp(line, t, length) || line[length] != ',')
-            continue;
-        char *value = line + length;
-        for (int i = 0; i < n; i++) {
-            ck_assert_msg(*value == ',', "%s: row %s is short", path, t);
-            mpfr_strtofr(x[i], value + 1, &value, 10, MPFR_RNDN);
-        }
-        fclose(in);
-        return;
-    }
+    while (!found && fgets(line, sizeof line, in))
+        if (!strncmp(line, t, length) && line[length] == ',')
+            found = strdup(line + length + 1);
     fclose(in);
-    ck_abort_msg("%s: no row %s", path, t);
+    ck_assert_msg(found != NULL, "%s: no row %s", path, t);
+    return found;
+}
+
+void reference_row(const char *table, const char *t, mpfr_t *x, int n)
+{
+    char *text = reference_text(table, t), *end = text;
+    for (int i = 0; i < n; i++) {
+        ck_assert_msg(i == 0 || *end == ',', "%s: row %s is short", table, t);
+        mpfr_strtofr(x[i], i == 0 ? end : end + 1, &end, 10, MPFR_RNDN);
+    }
+    free(text);
 }

@@ -68,7 +68,8 @@ double log2_distance(const mpfr_t x, const mpfr_t y); /* log2 |x - y| */
 
 #define DECIMALS(d) (-(d)*3.3219280948873623479)
 
-/* The n values after t in the row of time t of tests/reference/TABLE. */
-void reference_row(const char *table, const char *t, mpfr_t *x, int n);
+/* What follows t in the row of time t of tests/reference/TABLE: values, between commas; to be freed. */
+char *reference_text(const char *table, const char *t);
+void reference_row(const char *table, const char *t, mpfr_t *x, int n); /* the first n of them */
 
 #endif

@@ -13,6 +13,10 @@
 #include <check.h>
 #include <stdint.h>
 
+/* The rows of a table; a test run for each row, whose number is _i. */
+#define COUNT(table)                       ((int)(sizeof(table) / sizeof *(table)))
+#define add_table_test(tcase, test, table) tcase_add_loop_test(tcase, test, 0, COUNT(table))
+
 /* The seed of this run: CNS_TEST_SEED, set by the runner where the user did not. */
 uint64_t test_seed(void);
 

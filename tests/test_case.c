@@ -454,7 +454,7 @@ START_TEST(survives_mutations)
         memcpy(text, seed, n);
         for (int changes = 1 + (int)test_random_below(&s, 6); changes > 0; changes--) {
             size_t at = test_random_below(&s, n + 1);
-            const char *piece = pieces[test_random_below(&s, sizeof pieces / sizeof *pieces)];
+            const char *piece = pieces[test_random_below(&s, COUNT(pieces))];
             size_t m = strlen(piece);
             size_t cut = test_random_below(&s, 3) == 0 ? test_random_below(&s, 20) : 0;
             if (cut > n - at)
@@ -526,7 +526,7 @@ START_TEST(lists_the_keys)
     fclose(out);
     static const char *const keys[] = {"model",     "every",   "smooth", "max_digits",
                                        "tolerance", "columns", "laws"};
-    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+    for (int i = 0; i < COUNT(keys); i++)
         ck_assert_ptr_nonnull(strstr(text, keys[i]));
     free(text);
 }

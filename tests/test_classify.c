@@ -142,7 +142,7 @@ static double elliptic(double k)
     return PI / (2 * a);
 }
 
-START_TEST(test_limit_cycle)
+START_TEST(limit_cycle)
 {
     cns_motion m = classify(&hopf, "0", (const char *[]){"1/10", "0"});
     ck_assert_str_eq(cns_mode_name(m.mode), "periodic");
@@ -156,7 +156,7 @@ START_TEST(test_limit_cycle)
 }
 END_TEST
 
-START_TEST(test_swinging)
+START_TEST(swinging)
 {
     cns_motion m = classify(&pendulum, "0", (const char *[]){"1", "0.2", "0"});
     ck_assert_str_eq(cns_mode_name(m.mode), "flutter");
@@ -171,7 +171,7 @@ START_TEST(test_swinging)
 }
 END_TEST
 
-START_TEST(test_going_round)
+START_TEST(going_round)
 {
     for (int side = -1; side <= 1; side += 2) {
         cns_motion m = classify(&pendulum, "2", (const char *[]){"1", side > 0 ? "2" : "-2", "0"});
@@ -186,7 +186,7 @@ START_TEST(test_going_round)
 }
 END_TEST
 
-START_TEST(test_period_two)
+START_TEST(period_two)
 {
     cns_motion m = classify(&doubled, "0", (const char *[]){"0", "2", "1", "0.1"});
     ck_assert_str_eq(cns_mode_name(m.mode), "tumble");
@@ -198,7 +198,7 @@ START_TEST(test_period_two)
 }
 END_TEST
 
-START_TEST(test_steady_and_neutral)
+START_TEST(steady_and_neutral)
 {
     cns_motion m = classify(&oscillator, "1", (const char *[]){"1", "0"});
     ck_assert_str_eq(cns_mode_name(m.mode), "steady");
@@ -211,7 +211,7 @@ START_TEST(test_steady_and_neutral)
 }
 END_TEST
 
-START_TEST(test_lorenz_is_chaotic)
+START_TEST(lorenz_is_chaotic)
 {
     const cns_setting start[] = {{"x", "-15.8"}, {"y", "-17.48"}, {"z", "35.64"}, {NULL, NULL}};
     cns_system *s = system_new(cns_model_find("lorenz"), start);
@@ -226,7 +226,7 @@ START_TEST(test_lorenz_is_chaotic)
 END_TEST
 
 /* f(g x) = g f(x) at random states, for turn and mirror image. */
-START_TEST(test_symmetries_of_the_disk)
+START_TEST(symmetries_of_the_disk)
 {
     const cns_model *m = cns_model_find("apw");
     cns_program *p = model_program("apw", NULL);
@@ -272,7 +272,7 @@ START_TEST(test_symmetries_of_the_disk)
 }
 END_TEST
 
-START_TEST(test_sweep)
+START_TEST(a_sweep)
 {
     cns_system *s = system_of(&pendulum, "0", (const char *[]){"1", "1.5", "0"});
     cns_sweep sweep;
@@ -291,14 +291,14 @@ START_TEST(test_sweep)
     cns_sweep_clear(&sweep);
     static const char *const wrong[] = {"P",       "P=1",      "P=1:2",      "Q=1:2:1", "P=1:2:0",
                                         "P=2:1:1", "P=1:pi:1", "P=0:1:1e-9", "P=1:2:x"};
-    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+    for (int i = 0; i < COUNT(wrong); i++)
         ck_assert_int_eq(cns_sweep_parse(&sweep, &pendulum, wrong[i], &err), CNS_USAGE);
     cns_system_free(s);
 }
 END_TEST
 
 /* The pendulum goes round when its energy is above that of the saddle, 1. */
-START_TEST(test_bisection)
+START_TEST(by_trajectory)
 {
     cns_system *s = system_of(&pendulum, "0", (const char *[]){"1", "1.5", "0"});
     const char *ends[] = {"0.6", "1.7"};
@@ -330,15 +330,15 @@ Suite *suite_classify(void)
 {
     Suite *s = suite_create("classify");
     TCase *t = tcase_create("modes");
-    tcase_add_test(t, test_limit_cycle);
-    tcase_add_test(t, test_swinging);
-    tcase_add_test(t, test_going_round);
-    tcase_add_test(t, test_period_two);
-    tcase_add_test(t, test_steady_and_neutral);
-    tcase_add_test(t, test_lorenz_is_chaotic);
-    tcase_add_test(t, test_symmetries_of_the_disk);
-    tcase_add_test(t, test_sweep);
-    tcase_add_test(t, test_bisection);
+    tcase_add_test(t, limit_cycle);
+    tcase_add_test(t, swinging);
+    tcase_add_test(t, going_round);
+    tcase_add_test(t, period_two);
+    tcase_add_test(t, steady_and_neutral);
+    tcase_add_test(t, lorenz_is_chaotic);
+    tcase_add_test(t, symmetries_of_the_disk);
+    tcase_add_test(t, a_sweep);
+    tcase_add_test(t, by_trajectory);
     suite_add_tcase(s, t);
     return s;
 }

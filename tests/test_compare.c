@@ -109,7 +109,7 @@ START_TEST(decimals)
                {"5.", ".5e1", 0},
                {"-0.000", "0.0000", 3},
                {"0.123456789012345678901234567890", "0.123456789012345678901234567891", 29}};
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (int i = 0; i < COUNT(row); i++) {
         char a[256], b[256];
         outcome o;
         snprintf(a, sizeof a, "t,u\n0,%s\n", row[i].a);
@@ -215,10 +215,10 @@ START_TEST(dresses)
         "t,x,y\n0.0D0,0.15D+01,.225d1\n10e-1,-30.0E-1,+4.50\n",
         "t,x,y\n0,1.50,2.25\n1,-3.00,4.50", /* no newline at the end */
     };
-    for (size_t i = 0; i < sizeof dress / sizeof *dress; i++) {
+    for (int i = 0; i < COUNT(dress); i++) {
         outcome o;
         compared(&o, dress[0], dress[i], "0.01");
-        ck_assert_msg(o.rows == 2 && o.r.n == 2 && !o.r.differs, "dress %zu is another table", i);
+        ck_assert_msg(o.rows == 2 && o.r.n == 2 && !o.r.differs, "dress %d is another table", i);
         ck_assert_ptr_null(o.r.norm_tc);
         ck_assert_int_ge(o.least[0], 1);
         done(&o);
@@ -308,7 +308,7 @@ START_TEST(refused)
                {"t,u\n5,1\n", NULL, "no time in common"},
                {"t,u\n", NULL, "no time in common"},
                {"t,u\n0,1\n1,2\n2,2\n3,2\n4,2\n9,zwei\n", ":7:3:", "not a number"}};
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++)
+    for (int i = 0; i < COUNT(row); i++)
         for (int swap = 0; swap < 2; swap++) {
             static const char good[] = "t,u\n0,1\n1,2\n2,3\n9,3\n";
             outcome o;

@@ -60,7 +60,7 @@ static void check_text(const char *text, const mpfr_t x, long decimals, const ch
 }
 
 /* The four of a falling disk: sqrt(pi / (A -+ B)) by MPFR alone. */
-START_TEST(test_disk_places)
+START_TEST(disk_places)
 {
     subject u = subject_open(cns_model_find("apw"), "A=7/5 B=1.0");
     cns_equilibria *e = equilibria_of(&u, 60);
@@ -135,7 +135,7 @@ static void check_disk(const cns_number *parameter, const cns_equilibrium *p, bo
         cns_ball_number(q[i], &parameter[i], BITS);
     }
     arb_ptr all[] = {pi, v, a, b, c, k, drag, along, across, t};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+    for (int i = 0; i < COUNT(all); i++)
         arb_init(all[i]);
     acb_poly_init(cubic);
     arb_const_pi(pi, BITS);
@@ -185,13 +185,13 @@ static void check_disk(const cns_number *parameter, const cns_equilibrium *p, bo
     arb_div(t, t, along, BITS);
     check_spectrum(p, decimals, t, cubic);
     acb_poly_clear(cubic);
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+    for (int i = 0; i < COUNT(all); i++)
         arb_clear(all[i]);
     for (int i = 0; i < N; i++)
         arb_clear(q[i]);
 }
 
-START_TEST(test_disk_eigenvalues)
+START_TEST(disk_eigenvalues)
 {
     uint64_t s = test_seed();
     for (int turn = 0; turn < 6; turn++) {
@@ -213,7 +213,7 @@ START_TEST(test_disk_eigenvalues)
 END_TEST
 
 /* The figures of the literature, and what they mean. */
-START_TEST(test_disk_stability)
+START_TEST(disk_stability)
 {
     subject u = subject_open(cns_model_find("apw"), "I=1.2191");
     cns_equilibria *e = equilibria_of(&u, 7);
@@ -235,7 +235,7 @@ END_TEST
 /* C+ and C- of Lorenz's model: x = y = +-sqrt(b (R - 1)), eigenvalues the roots of
  * t^3 + (sigma + b + 1) t^2 + b (R + sigma) t + 2 b sigma (R - 1); the origin's: -b and two of a quadratic.
  */
-START_TEST(test_lorenz)
+START_TEST(the_lorenz_system)
 {
     subject u = subject_open(cns_model_find("lorenz"), NULL);
     cns_equilibria *e = equilibria_of(&u, 50);
@@ -288,7 +288,7 @@ START_TEST(test_lorenz)
 END_TEST
 
 /* At R = 1 the three meet in one that Newton's method cannot prove. Nothing is claimed. */
-START_TEST(test_degenerate)
+START_TEST(degenerate)
 {
     subject u = subject_open(cns_model_find("lorenz"), "R=1");
     cns_equilibria *e;
@@ -347,7 +347,7 @@ static int one_guess(const double *parameter, cns_model_guess *guess)
 
 static const cns_model_state three[] = {{"x", "", 1}, {"y", "", 1}, {"z", "", 1}};
 
-START_TEST(test_double_eigenvalue)
+START_TEST(double_eigenvalue)
 {
     const cns_model m = {
         .name = "double", .n_states = 3, .states = three, .build = build_double, .equilibria = one_guess};
@@ -377,7 +377,7 @@ START_TEST(test_double_eigenvalue)
 }
 END_TEST
 
-START_TEST(test_none_and_tie)
+START_TEST(none_and_a_tie)
 {
     cns_model m = {
         .name = "none", .n_states = 1, .states = three, .build = build_none, .equilibria = one_guess};
@@ -417,7 +417,7 @@ static void field_at(cns_jet *J, int n, mpfr_t *x, mpfr_t *f)
 }
 
 /* What a model calls a symmetry takes f(x) to f(g(x)). */
-START_TEST(test_symmetries)
+START_TEST(symmetries_of_a_model)
 {
     enum { PREC = 200 };
     uint64_t s = test_seed();
@@ -457,7 +457,7 @@ START_TEST(test_symmetries)
 END_TEST
 
 /* Balls hold the values at points of the box, tangents of |omega| on both sides of its kink included. */
-START_TEST(test_balls)
+START_TEST(balls)
 {
     enum { PREC = 120 };
     uint64_t s = test_seed();
@@ -505,15 +505,15 @@ Suite *suite_equilibria(void)
 {
     Suite *s = suite_create("equilibria");
     TCase *t = tcase_create("equilibria");
-    tcase_add_test(t, test_disk_places);
-    tcase_add_test(t, test_disk_eigenvalues);
-    tcase_add_test(t, test_disk_stability);
-    tcase_add_test(t, test_lorenz);
-    tcase_add_test(t, test_degenerate);
-    tcase_add_test(t, test_double_eigenvalue);
-    tcase_add_test(t, test_none_and_tie);
-    tcase_add_test(t, test_symmetries);
-    tcase_add_test(t, test_balls);
+    tcase_add_test(t, disk_places);
+    tcase_add_test(t, disk_eigenvalues);
+    tcase_add_test(t, disk_stability);
+    tcase_add_test(t, the_lorenz_system);
+    tcase_add_test(t, degenerate);
+    tcase_add_test(t, double_eigenvalue);
+    tcase_add_test(t, none_and_a_tie);
+    tcase_add_test(t, symmetries_of_a_model);
+    tcase_add_test(t, balls);
     suite_add_tcase(s, t);
     return s;
 }

@@ -311,8 +311,8 @@ Suite *suite_events(void)
 {
     Suite *s = suite_create("events");
     TCase *t = tcase_create("events");
-    tcase_add_loop_test(t, events_are_those_of_a_finer_run_rounded, 0, (int)(sizeof trials / sizeof *trials));
-    tcase_add_loop_test(t, events_by_numerics, 0, (int)(sizeof by_hand / sizeof *by_hand));
+    add_table_test(t, events_are_those_of_a_finer_run_rounded, trials);
+    add_table_test(t, events_by_numerics, by_hand);
     tcase_add_test(t, an_event_asks_for_digits);
     tcase_add_test(t, a_tie_gets_fewer_decimals);
     tcase_add_test(t, where_the_runs_disagree_events_end);

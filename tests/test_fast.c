@@ -483,7 +483,7 @@ static void functions(world *x)
         cns_function f;
         long a;
     } outside[] = {{CNS_FN_SQRT, -1}, {CNS_FN_LOG, -1}, {CNS_FN_LOG, 0}};
-    for (size_t i = 0; i < sizeof outside / sizeof *outside; i++) {
+    for (int i = 0; i < COUNT(outside); i++) {
         cns_fast_status status;
         ALL(ops->begin(A, x->H));
         mpfr_set_si(x->t, outside[i].a, MPFR_RNDN);
@@ -584,7 +584,7 @@ START_TEST(all_ones)
     }
     ALL(set_ones(inside(A), U));
     const fx *F = inside(each[0]);
-    for (size_t i = 0; i < sizeof orders / sizeof *orders; i++) {
+    for (int i = 0; i < COUNT(orders); i++) {
         const int n = orders[i];
         if (n > order)
             continue;
@@ -631,7 +631,7 @@ START_TEST(zero_series)
             ALL(ops->zero(A); ops->coef(A, 1, U, k); ops->store_scaled(A, T, k, C));
             ALL(ops->zero(A); ops->store_over(A, D, k, U, 0, k & 1));
             static const int zero[] = {W, T, D, V};
-            for (size_t i = 0; i < sizeof zero / sizeof *zero; i++) {
+            for (int i = 0; i < COUNT(zero); i++) {
                 check_same(zero[i], "zero");
                 ops->get(each[0], y, zero[i], k);
                 ck_assert(mpfr_zero_p(y) && ops->get_2exp(each[0], &e, zero[i], k) == 0);
@@ -715,7 +715,7 @@ START_TEST(what_does_not_fit)
         {0, 5, 100, NULL}, {3, 0, 100, NULL}, {3, 5, 0, NULL}, {3, 5, 2000000, NULL}, {3, 2000000, 99, NULL}};
     const cns_arith_spec unknown = {3, 5, 100, "sparc"};
     cns_error err;
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    for (int i = 0; i < COUNT(bad); i++) {
         ck_assert_ptr_null(cns_arith_fast.create(&bad[i], &err));
         ck_assert_int_eq(err.code, CNS_NUMERIC);
     }
@@ -1115,7 +1115,7 @@ START_TEST(the_reference)
     cns_flow_spec spec = taylor_spec(p, 60);
     mpfr_t *x = vector_new(6, spec.prec), *y = vector_new(6, spec.prec);
     cns_flow *f = start_flow(&spec, CNS_ARITH_FAST, initial);
-    for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
+    for (int i = 0; i < COUNT(times); i++) {
         flow_to(f, times[i], x);
         reference_row("case4.csv", times[i], y, 6);
         for (int j = 0; j < 6; j++) /* rounded to 40 decimals */
@@ -1139,7 +1139,7 @@ START_TEST(digits_pay_one_for_one)
     } runs[] = {{60, 0}, {120, 0}, {60, 300}};
     static const char *const initial[] = CASE4;
     cns_program *p = model_program("apw", NULL);
-    for (size_t i = 0; i < sizeof runs / sizeof *runs; i++) {
+    for (int i = 0; i < COUNT(runs); i++) {
         cns_flow_spec spec = taylor_spec(p, runs[i].digits);
         if (runs[i].order)
             spec.order = runs[i].order;
@@ -1172,7 +1172,7 @@ START_TEST(orders_1_to_400)
         cns_program *p = model_program(m == 0 ? "apw" : "lorenz", NULL);
         const int n = cns_program_states(p);
         cns_number *step = numbers_new(1, &h[m]);
-        for (size_t i = 0; i < sizeof orders / sizeof *orders; i++) {
+        for (int i = 0; i < COUNT(orders); i++) {
             cns_flow_spec spec = taylor_spec(p, 30);
             spec.order = orders[i];
             spec.step = step;
@@ -1263,7 +1263,7 @@ Suite *suite_fast(void)
     tcase_add_loop_test(t, sums_and_stores, 0, SUM_RUNS);
     tcase_add_test(t, functions_of_order_0);
     tcase_add_test(t, a_raise_is_seen_and_keeps_values);
-    tcase_add_loop_test(t, all_ones, 0, (int)(sizeof full / sizeof *full));
+    add_table_test(t, all_ones, full);
     tcase_add_test(t, zero_series);
     tcase_add_test(t, begin_again);
     tcase_add_test(t, what_does_not_fit);
@@ -1273,7 +1273,7 @@ Suite *suite_fast(void)
     tcase_add_loop_test(t, orders_at_once_change_nothing, 0, 4 * KERNELS);
     suite_add_tcase(s, t);
     t = tcase_create("flows");
-    tcase_add_loop_test(t, flows_agree, 0, (int)(sizeof trajectories / sizeof *trajectories));
+    add_table_test(t, flows_agree, trajectories);
     tcase_add_loop_test(t, derivatives_are_sharp, 0, 5);
     tcase_add_test(t, the_reference);
     tcase_add_test(t, digits_pay_one_for_one);

@@ -191,7 +191,7 @@ START_TEST(student)
         double limit;
     } table[] = {{1, 12.70620474}, {2, 4.30265273},   {3, 3.18244631},      {8, 2.30600414},
                  {30, 2.04227246}, {120, 1.97993041}, {1000000, 1.95996398}};
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+    for (int i = 0; i < COUNT(table); i++)
         near(cns_student_limit(0.95, table[i].dof), table[i].limit, i < 6 ? 1e-8 : 2e-6);
     uint64_t s = test_seed();
     for (int trial = 0; trial < 50; trial++) {

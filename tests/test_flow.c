@@ -49,7 +49,7 @@ static const struct {
     {"mpfr, fixed step 0.07", CNS_ARITH_MPFR, 40, "0.07", 36},
     {"mpfr, fixed step 5", CNS_ARITH_MPFR, 40, "5", 36},
 };
-enum { MODES = (int)(sizeof modes / sizeof *modes) };
+enum { MODES = COUNT(modes) };
 
 /* Runs p from `initial` to t in mode m; states in x; returns the number of landings. */
 static long run_mode(int m, const cns_program *p, const char *const *initial, const char *t, mpfr_t *x)
@@ -142,7 +142,7 @@ static const struct {
     {"a crossing just after the start", u_tiny_start, "1",
      "499999999999000000000001/1000000000000000000000000", 1, 1},
 };
-enum { INTEGRALS = (int)(sizeof integrals / sizeof *integrals) };
+enum { INTEGRALS = COUNT(integrals) };
 
 START_TEST(integrates_absolute_values)
 {
@@ -547,7 +547,7 @@ START_TEST(works_at_any_order)
                 {12, -50, -42, 53, CNS_ARITH_DOUBLE},    {30, -50, -42, 53, CNS_ARITH_DOUBLE}};
     static const char *const start[] = {"1", "0"};
     cns_program *p = oscillator();
-    for (size_t i = 0; i < sizeof runs / sizeof *runs; i++) {
+    for (int i = 0; i < COUNT(runs); i++) {
         cns_flow_spec spec = taylor_spec(p, 10);
         spec.order = runs[i].order;
         spec.tolerance_log2 = runs[i].tolerance_log2;
@@ -930,14 +930,14 @@ Suite *suite_flow(void)
     tcase_add_test(t, smoothing_converges_like_the_square);
     suite_add_tcase(s, t);
     t = tcase_create("flows");
-    tcase_add_loop_test(t, agrees_with_reference_tables, 0, (int)(sizeof references / sizeof *references));
+    add_table_test(t, agrees_with_reference_tables, references);
     tcase_add_test(t, lorenz_at_100);
     tcase_add_test(t, works_at_any_order);
     tcase_add_test(t, rk4_is_of_order_4);
     tcase_add_test(t, rk4_is_blind_to_kinks);
     tcase_add_test(t, output_times_change_nothing);
     tcase_add_test(t, dense_output_joins);
-    tcase_add_loop_test(t, singularities_are_errors, 0, (int)(sizeof singular / sizeof *singular));
+    add_table_test(t, singularities_are_errors, singular);
     tcase_add_test(t, verify_finds_a_wrong_branch);
     tcase_add_test(t, can_be_stopped);
     tcase_add_test(t, refuses_what_makes_no_sense);

@@ -269,8 +269,7 @@ Suite *suite_lyapunov(void)
 {
     Suite *s = suite_create("lyapunov");
     TCase *t = tcase_create("lyapunov");
-    tcase_add_loop_test(t, linear_systems_have_their_eigenvalue, 0,
-                        (int)(sizeof linear_systems / sizeof *linear_systems));
+    add_table_test(t, linear_systems_have_their_eigenvalue, linear_systems);
     tcase_add_test(t, limit_cycle_has_exponent_zero);
     tcase_add_test(t, growth_is_that_of_a_small_distance);
     tcase_add_test(t, lorenz);

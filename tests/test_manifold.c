@@ -170,7 +170,7 @@ static void open_branch(cns_branch *b, cns_reduced *r, cns_fixed_point *f, const
     check_ok(cns_branch_open(b, r, f, 0, cns_system_scales(s), order, prec, &err), &err);
 }
 
-START_TEST(test_branch)
+START_TEST(a_branch)
 {
     bench u;
     cns_reduced r;
@@ -198,7 +198,7 @@ END_TEST
 
 /* The pendulum's branch from its kink: E = y^2 solves dE/dx = 2 (mu - sin x) - 2 d E, E = 0 at the saddle; d
  * = 1/2: E = 2 mu + cos x - sin x + c e^-x. */
-START_TEST(test_branch_on_kink)
+START_TEST(branch_on_kink)
 {
     enum { PREC = 400 };
     bench u;
@@ -243,7 +243,7 @@ START_TEST(test_branch_on_kink)
 }
 END_TEST
 
-START_TEST(test_homoclinic)
+START_TEST(homoclinic)
 {
     bench b;
     mpfr_t x;
@@ -258,7 +258,7 @@ START_TEST(test_homoclinic)
 END_TEST
 
 /* With the kink, for a random d: sqrt by MPFR alone. */
-START_TEST(test_heteroclinic)
+START_TEST(heteroclinic)
 {
     uint64_t s = test_seed();
     bench b;
@@ -291,7 +291,7 @@ START_TEST(test_heteroclinic)
 END_TEST
 
 /* d = 3/8 makes it 3/5: an estimate may hit the connection itself, and no number of digits tells its side. */
-START_TEST(test_exact_hit)
+START_TEST(exact_hit)
 {
     bench b;
     mpfr_t x;
@@ -318,7 +318,7 @@ START_TEST(test_exact_hit)
 }
 END_TEST
 
-START_TEST(test_refusals)
+START_TEST(refused)
 {
     bench b;
     bench_open(&b, cns_model_find("apw"), "1.2192", "1.2193", 10);
@@ -420,7 +420,7 @@ static int goes_over(const char *inertia)
     return theta > 5;
 }
 
-START_TEST(test_disk)
+START_TEST(the_disk)
 {
     bench b;
     mpfr_t x, paper;
@@ -443,7 +443,7 @@ START_TEST(test_disk)
 END_TEST
 
 /* Both variants see the same passage, and its miss grows like the distance from the connection. */
-START_TEST(test_passage)
+START_TEST(a_passage)
 {
     bench b;
     cns_passage p[2];
@@ -471,7 +471,7 @@ START_TEST(test_passage)
 END_TEST
 
 /* Smoothing so small that it cannot show changes nothing; a larger one moves the connection, but little. */
-START_TEST(test_smoothing)
+START_TEST(smoothed)
 {
     static const char *const eps[] = {"1e-40", "1e-3"};
     for (int i = 0; i < 2; i++) {
@@ -505,7 +505,7 @@ static double period_at(bench *b, const char *inertia, double *lambda)
 
 /* T = T0 + (2 / lambda) ln(1 / |I - I_c|) on both sides, over nine decades; and periods measured before, from
  * whole trajectories of another program, to two decimals. */
-START_TEST(test_period_law)
+START_TEST(period_law)
 {
     static const char *const near[2][2] = {{"1.219046631202134125", "1.219246631202134125"},  /* 1e-4 */
                                            {"1.219146631202034125", "1.219146631202234125"}}; /* 1e-13 */
@@ -529,7 +529,7 @@ START_TEST(test_period_law)
 END_TEST
 
 /* A second bisection with the same directory computes nothing, and more decimals use what is there. */
-START_TEST(test_store)
+START_TEST(kept_probes)
 {
     char directory[] = "/tmp/cns-manifold.XXXXXX", command[128];
     ck_assert_ptr_nonnull(mkdtemp(directory));
@@ -554,17 +554,17 @@ Suite *suite_manifold(void)
 {
     Suite *s = suite_create("manifold");
     TCase *t = tcase_create("manifold");
-    tcase_add_test(t, test_branch);
-    tcase_add_test(t, test_branch_on_kink);
-    tcase_add_test(t, test_homoclinic);
-    tcase_add_test(t, test_heteroclinic);
-    tcase_add_test(t, test_exact_hit);
-    tcase_add_test(t, test_refusals);
-    tcase_add_test(t, test_disk);
-    tcase_add_test(t, test_passage);
-    tcase_add_test(t, test_smoothing);
-    tcase_add_test(t, test_period_law);
-    tcase_add_test(t, test_store);
+    tcase_add_test(t, a_branch);
+    tcase_add_test(t, branch_on_kink);
+    tcase_add_test(t, homoclinic);
+    tcase_add_test(t, heteroclinic);
+    tcase_add_test(t, exact_hit);
+    tcase_add_test(t, refused);
+    tcase_add_test(t, the_disk);
+    tcase_add_test(t, a_passage);
+    tcase_add_test(t, smoothed);
+    tcase_add_test(t, period_law);
+    tcase_add_test(t, kept_probes);
     suite_add_tcase(s, t);
     return s;
 }

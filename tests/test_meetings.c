@@ -85,7 +85,7 @@ static cns_program *oscillator(void)
     return finished(p);
 }
 
-START_TEST(test_zeros_of_the_sine)
+START_TEST(zeros_of_the_sine)
 {
     cns_program *p = oscillator();
     cns_event_condition s[] = {section(CNS_CONDITION_VALUE, 0, "0", NULL),
@@ -126,7 +126,7 @@ START_TEST(test_zeros_of_the_sine)
 END_TEST
 
 /* theta' = 1 + z, z' = 1: many multiples of a period in one step, exactly known. */
-START_TEST(test_periods)
+START_TEST(periods)
 {
     cns_program *p = program_new(2, NULL);
     cns_derivative(p, 0, cns_add(p, cns_constant(p, "1"), cns_state(p, 1)));
@@ -159,7 +159,7 @@ END_TEST
 
 /* x = (t-1)^2 (t-3)/..: polynomial motion takes one step for all: two roots in a step, and a touch. z clock.
  */
-START_TEST(test_two_in_a_step_and_a_touch)
+START_TEST(two_in_a_step_and_a_touch)
 {
     cns_program *p = program_new(2, NULL);
     cns_node z = cns_state(p, 1);
@@ -187,7 +187,7 @@ START_TEST(test_two_in_a_step_and_a_touch)
 END_TEST
 
 /* Steps much shorter than the noise of the state, as beside a singularity: what crosses is no touch. */
-START_TEST(test_tiny_steps)
+START_TEST(tiny_steps)
 {
     cns_program *p = oscillator();
     cns_event_condition s[] = {section(CNS_CONDITION_VALUE, 0, "0", NULL)};
@@ -206,7 +206,7 @@ START_TEST(test_tiny_steps)
 END_TEST
 
 /* A fixed step that ends exactly on the section, again and again: each meeting once. z = 1/2, 1, 3/2, ... */
-START_TEST(test_joints)
+START_TEST(joints)
 {
     cns_program *p = program_new(2, NULL);
     cns_derivative(p, 0, cns_neg(p, cns_state(p, 0)));
@@ -232,7 +232,7 @@ END_TEST
 
 /* The falling disk lands on omega = 0: meetings with it are its landings, each once; theta's extrema are the
  * same moments; theta = k pi against the signs of sin(theta) on a fine grid. */
-START_TEST(test_falling_disk)
+START_TEST(falling_disk)
 {
     enum { OMEGA = 5, THETA = 2 };
     cns_program *p = model_program("apw", NULL);
@@ -283,7 +283,7 @@ START_TEST(test_falling_disk)
 END_TEST
 
 /* The same meetings in double, to its precision. */
-START_TEST(test_double_agrees)
+START_TEST(double_agrees)
 {
     cns_program *p = model_program("apw", NULL);
     const char *start[] = {"0", "0", "1", "0", "0.01", "1"};
@@ -319,13 +319,13 @@ Suite *suite_meetings(void)
 {
     Suite *s = suite_create("meetings");
     TCase *t = tcase_create("meetings");
-    tcase_add_test(t, test_zeros_of_the_sine);
-    tcase_add_test(t, test_periods);
-    tcase_add_test(t, test_two_in_a_step_and_a_touch);
-    tcase_add_test(t, test_tiny_steps);
-    tcase_add_test(t, test_joints);
-    tcase_add_test(t, test_falling_disk);
-    tcase_add_test(t, test_double_agrees);
+    tcase_add_test(t, zeros_of_the_sine);
+    tcase_add_test(t, periods);
+    tcase_add_test(t, two_in_a_step_and_a_touch);
+    tcase_add_test(t, tiny_steps);
+    tcase_add_test(t, joints);
+    tcase_add_test(t, falling_disk);
+    tcase_add_test(t, double_agrees);
     suite_add_tcase(s, t);
     return s;
 }

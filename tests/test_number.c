@@ -1,11 +1,9 @@
-/* Numbers: text to exact value, value to MPFR; the small core modules they lean on. */
+/* Numbers: text to exact value, value to MPFR. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cns/number.h"
-#include "core/sha256.h"
-#include "core/text.h"
 #include "support.h"
 
 /* x of the text; the test fails where the library refuses it. */
@@ -128,7 +126,7 @@ START_TEST(refuses_what_is_no_number)
     cns_error err;
     cns_number_init(&x);
     parse(&x, "7/3");
-    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+    for (int i = 0; i < COUNT(refused); i++) {
         err.text[0] = '\0';
         ck_assert_msg(cns_number_parse(&x, refused[i], &err) == CNS_USAGE, "'%s' was read", refused[i]);
         ck_assert_msg(err.text[0] != '\0', "'%s' has no message", refused[i]);
@@ -306,7 +304,7 @@ START_TEST(compares)
                                          "3.14",        "3.1415926535897932384626433832795028841971693993",
                                          "pi",          "3.1415926535897932384626433832795028841971693994",
                                          "22/7",        "1e100000"};
-    int n = sizeof rising / sizeof *rising;
+    int n = COUNT(rising);
     cns_number x, y;
     cns_number_init(&x);
     cns_number_init(&y);
@@ -403,47 +401,6 @@ START_TEST(survives_random_texts)
 }
 END_TEST
 
-static void check_sha256(const char *text, size_t length, const char *wanted)
-{
-    char hex[65];
-    cns_sha256_hex(hex, text, length);
-    ck_assert_str_eq(hex, wanted);
-}
-
-START_TEST(sha256_of_the_standard)
-{
-    /* FIPS 180-4 examples, and lengths about the block's end */
-    check_sha256("", 0, "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-    check_sha256("abc", 3, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-    const char *two = "abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq";
-    check_sha256(two, 56, "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
-    char *million = malloc(1000000);
-    memset(million, 'a', 1000000);
-    check_sha256(million, 1000000, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
-    check_sha256(million, 55, "9f4390f8d30c2dd92ec9f095b65e2b9ae9b0a925a5258e241c9f1e910f734318");
-    check_sha256(million, 56, "b35439a4ac6f0948b6d6f9e3c6af0f5f590ce20f1bde7090ef7970686ec6738a");
-    check_sha256(million, 63, "7d3e74a05d7db15bce4ad9ec0658ea98e3f06eeecf16b4c6fff2da457ddc2f34");
-    check_sha256(million, 64, "ffe054fe7ae0cb6dc65c3af9b61d5209f439851db43d0ba5997337df154668eb");
-    free(million);
-}
-END_TEST
-
-START_TEST(quotes_and_suggests)
-{
-    ck_assert_str_eq(cns_quote("a\033b\xff").text, "a?b?");
-    ck_assert_str_eq(cns_quote("\xc3\xa9").text, "\xc3\xa9");
-    char text[200];
-    memset(text, 'x', sizeof text);
-    text[199] = '\0';
-    ck_assert_uint_lt(strlen(cns_quote(text).text), CNS_QUOTE);
-    ck_assert_int_eq(cns_text_distance("digts", "digits"), 1);
-    ck_assert_int_eq(cns_text_distance("rnu", "run"), 1);
-    ck_assert_int_eq(cns_text_distance("", "abc"), 3);
-    ck_assert_int_eq(cns_text_distance("vx", "Vx"), 0);
-    ck_assert_int_eq(cns_text_distance("kitten", "sitting"), 3);
-}
-END_TEST
-
 Suite *suite_number(void)
 {
     Suite *suite = suite_create("number");
@@ -462,9 +419,5 @@ Suite *suite_number(void)
     tcase_add_test(value, prints_multiples);
     tcase_add_test(value, multiples_read_back);
     suite_add_tcase(suite, value);
-    TCase *core = tcase_create("core");
-    tcase_add_test(core, sha256_of_the_standard);
-    tcase_add_test(core, quotes_and_suggests);
-    suite_add_tcase(suite, core);
     return suite;
 }

@@ -285,7 +285,7 @@ Suite *suite_plan(void)
 {
     Suite *s = suite_create("plan");
     TCase *t = tcase_create("plan");
-    tcase_add_loop_test(t, run_is_what_was_planned, 0, (int)(sizeof goals / sizeof *goals));
+    add_table_test(t, run_is_what_was_planned, goals);
     tcase_add_test(t, seconds_are_steps_and_rows);
     tcase_add_test(t, a_stopped_plan_says_nothing);
     tcase_add_test(t, progress_is_that_of_the_work);

@@ -127,7 +127,7 @@ START_TEST(computes_constants_at_each_precision)
         cns_sqrt(p, cns_sqr(p, b)),
     };
     cns_node sum = cns_constant(p, "0");
-    for (size_t i = 0; i < sizeof terms / sizeof *terms; i++) {
+    for (int i = 0; i < COUNT(terms); i++) {
         ck_assert_int_ge(terms[i], 0);
         sum = cns_add(p, sum, terms[i]);
     }
@@ -168,7 +168,7 @@ START_TEST(computes_constants_at_each_precision)
     mpfr_add(total, total, z, MPFR_RNDN);
     mpfr_pow(z, x, w, MPFR_RNDN);
     mpfr_add(total, total, z, MPFR_RNDN);
-    for (size_t i = 0; i < sizeof precisions / sizeof *precisions; i++) {
+    for (int i = 0; i < COUNT(precisions); i++) {
         mpfr_init2(value, precisions[i]);
         constant_value(p, value);
         check_close(value, total, log2_of(total) - (double)precisions[i] + 1, "%ld bits",
@@ -585,7 +585,7 @@ Suite *suite_program(void)
     tcase_add_test(t, computes_constants_at_each_precision);
     tcase_add_test(t, keeps_parameters_of_its_own);
     tcase_add_test(t, finds_passive_states);
-    tcase_add_loop_test(t, errors_are_sticky, 0, (int)(sizeof misuses / sizeof *misuses));
+    add_table_test(t, errors_are_sticky, misuses);
     tcase_add_test(t, every_state_needs_a_derivative);
     tcase_add_test(t, a_finished_program_stays);
     tcase_add_test(t, grows);

@@ -229,7 +229,7 @@ END_TEST
 START_TEST(a_root_at_the_end)
 {
     static const char *const ends[] = {"1", "3/4", "1/3", "1e-5", "123/7"};
-    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+    for (int i = 0; i < COUNT(ends); i++) {
         poly p = poly_new(1, 200);
         mpfr_t h, root;
         cns_error err;
@@ -381,7 +381,7 @@ Suite *suite_roots(void)
 {
     Suite *s = suite_create("roots");
     TCase *t = tcase_create("roots");
-    tcase_add_loop_test(t, finds_the_first_crossing, 0, (int)(sizeof rows / sizeof *rows));
+    add_table_test(t, finds_the_first_crossing, rows);
     tcase_add_test(t, sees_what_sampling_cannot);
     tcase_add_test(t, below_the_noise_only_the_sign_counts);
     tcase_add_test(t, a_root_at_the_end);

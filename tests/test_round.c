@@ -117,7 +117,7 @@ START_TEST(known)
                {"0.5", 1, "0.5"}};
     mpfr_t x, want;
     mpfr_inits2(160, x, want, (mpfr_ptr)0);
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (int i = 0; i < COUNT(row); i++) {
         mpfr_set_str(x, row[i].x, 10, MPFR_RNDN);
         mpfr_set_str(want, row[i].rounded, 10, MPFR_RNDN);
         cns_round_significant(x, row[i].digits);

@@ -97,39 +97,18 @@ static void check_done(const table *t)
     ck_assert_int_eq(t->result.rows, t->rows);
 }
 
-/* The row of a table in tests/reference, as texts. */
-static void reference_texts(const char *file, const char *time, char *line, size_t size, char **text, int n)
-{
-    char path[512];
-    const char *tests = getenv("CNS_TESTS");
-    size_t length = strlen(time);
-    snprintf(path, sizeof path, "%s/reference/%s", tests && *tests ? tests : "tests", file);
-    FILE *in = fopen(path, "r");
-    ck_assert_msg(in != NULL, "%s: cannot be opened", path);
-    while (fgets(line, (int)size, in))
-        if (!strncmp(line, time, length) && line[length] == ',') {
-            char *at = line + length + 1;
-            for (int i = 0; i < n; i++) {
-                text[i] = at;
-                at += strcspn(at, ",\n");
-                *at++ = '\0';
-            }
-            fclose(in);
-            return;
-        }
-    ck_abort_msg("%s: no row %s", path, time);
-}
-
 /* Columns t, then all states: each text of row r is the reference rounded to so many places. */
 static void check_row(const table *t, int r, const char *file, cns_places places, long count)
 {
-    char line[2048], *want[MAX_STATES];
+    char *text = reference_text(file, t->text[r][0]), *want = text;
     int n = t->c->model->n_states;
-    reference_texts(file, t->text[r][0], line, sizeof line, want, n);
     for (int i = 0; i < n; i++) {
         cns_number x;
         cns_number_init(&x);
-        ck_assert_int_eq(cns_number_parse(&x, want[i], NULL), CNS_OK);
+        char *next = want + strcspn(want, ",\n");
+        *next = '\0';
+        ck_assert_int_eq(cns_number_parse(&x, want, NULL), CNS_OK);
+        want = next + 1;
         char *rounded = cns_text_mpq(x.ratio, places, count);
         ck_assert_msg(!strcmp(rounded, t->text[r][i + 1]), "%s, t = %s, column %d: %s, not %s", file,
                       t->text[r][0], i + 1, t->text[r][i + 1], rounded);
@@ -355,7 +334,7 @@ START_TEST(the_end_is_a_row_once)
                 {"{end: 1, every: 5}", 2, "1"},
                 {"{end: 1, every: 1/3}", 4, "1"},
                 {"{end: 2/3, every: 1/3}", 3, "0.666667"}};
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (int i = 0; i < COUNT(rows); i++) {
         table t;
         char yaml[256];
         snprintf(yaml, sizeof yaml, CASE4 "time: %s\ngoal: {decimals: 3}\n", rows[i].time);
@@ -664,11 +643,10 @@ Suite *suite_solve(void)
 {
     Suite *suite = suite_create("solve");
     TCase *tc = tcase_create("right");
-    tcase_add_loop_test(tc, rows_are_the_reference_rounded, 0, (int)(sizeof references / sizeof *references));
+    add_table_test(tc, rows_are_the_reference_rounded, references);
     tcase_add_test(tc, lorenz_at_100);
     tcase_add_test(tc, case_1_is_its_closed_form);
-    tcase_add_loop_test(tc, near_misses_of_the_singularity, 0,
-                        (int)(sizeof near_misses / sizeof *near_misses));
+    add_table_test(tc, near_misses_of_the_singularity, near_misses);
     tcase_add_test(tc, derived_quantities_at_rest);
     suite_add_tcase(suite, tc);
     tc = tcase_create("rows");
@@ -686,11 +664,11 @@ Suite *suite_solve(void)
     tcase_add_test(tc, max_time_ends_a_plan);
     suite_add_tcase(suite, tc);
     tc = tcase_create("numerics");
-    tcase_add_loop_test(tc, numerics_without_a_proof, 0, (int)(sizeof numerics / sizeof *numerics));
-    tcase_add_loop_test(tc, numerics_with_a_proof, 0, (int)(sizeof numerics / sizeof *numerics));
+    add_table_test(tc, numerics_without_a_proof, numerics);
+    add_table_test(tc, numerics_with_a_proof, numerics);
     suite_add_tcase(suite, tc);
     tc = tcase_create("faults");
-    tcase_add_loop_test(tc, a_wrong_sign_is_found, 0, (int)(sizeof kinks / sizeof *kinks));
+    add_table_test(tc, a_wrong_sign_is_found, kinks);
     tcase_add_test(tc, a_rounded_constant_shows);
     suite_add_tcase(suite, tc);
     return suite;

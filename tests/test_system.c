@@ -150,7 +150,7 @@ START_TEST(identities)
         cns_setting settings[3];
     } systems[] = {{&m, {{0}}},         {&m, {{"x", "1"}}}, {&m, {{"smooth", "1e-3"}}},
                    {&equations, {{0}}}, {&scales, {{0}}},   {&m, {{"a", "-2"}}}};
-    enum { N = sizeof systems / sizeof *systems };
+    enum { N = COUNT(systems) };
     char *text[N], *varied[N];
     for (int i = 0; i < N; i++) {
         cns_system *s = system_new(systems[i].model, systems[i].settings);
@@ -271,7 +271,7 @@ START_TEST(own_equations_solved)
     free(text);
     static const char *const bad[][2] = {{"0", "1"}, {"-1", "1"}, {"pi", "1"},
                                          {"x", "1"}, {"1", "0"},  {"1", "2 2"}};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    for (int i = 0; i < COUNT(bad); i++) {
         ck_assert_int_eq(print_rows(&m, start, bad[i][0], bad[i][1], 5, &text, &err), CNS_USAGE);
         ck_assert_str_eq(text, "");
         free(text);
@@ -285,7 +285,7 @@ Suite *suite_system(void)
     Suite *s = suite_create("system");
     TCase *t = tcase_create("system");
     tcase_add_test(t, numbers_by_name);
-    tcase_add_loop_test(t, wrong_settings_are_named, 0, (int)(sizeof wrong / sizeof *wrong));
+    add_table_test(t, wrong_settings_are_named, wrong);
     tcase_add_test(t, what_cannot_be_a_system);
     tcase_add_test(t, another_value_is_another_system);
     tcase_add_test(t, identities);

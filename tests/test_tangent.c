@@ -293,7 +293,7 @@ Suite *suite_tangent(void)
     tcase_add_test(t, can_be_repeated);
     tcase_add_test(t, has_the_dynamic_states);
     tcase_add_test(t, by_hand);
-    tcase_add_loop_test(t, follows_the_flow, 0, (int)(sizeof flows / sizeof *flows));
+    add_table_test(t, follows_the_flow, flows);
     suite_add_tcase(s, t);
     return s;
 }

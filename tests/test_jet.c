@@ -1,4 +1,4 @@
-/* Every operation on power series against naive oracles and identities.
+/* Jets: every operation on power series against naive oracles and identities.
  *
  * A random series u enters a program as the first of a chain of states, s_j' = s_{j+1}, with s_j(0) = j! u_j.
  * An operation's series is read from a quadrature: z' = w gives z_{k+1} = H w_k / (k+1). The oracle is the
@@ -394,14 +394,14 @@ static const operation operations[] = {
     {"a/a", build_a_over_a, oracle_a_over_a, false, NULL},
     {"hypot(a,a)", build_hypot_aa, oracle_hypot_aa, false, NULL},
 };
-enum { OPERATIONS = (int)(sizeof operations / sizeof *operations) };
+enum { OPERATIONS = COUNT(operations) };
 
 static const struct {
     const cns_arith_ops *ops;
     mpfr_prec_t prec;
 } arithmetics[] = {
     {&cns_arith_mpfr, 53}, {&cns_arith_mpfr, 300}, {&cns_arith_double, 53}, {&cns_arith_libm, 53}};
-enum { ARITHMETICS = (int)(sizeof arithmetics / sizeof *arithmetics) };
+enum { ARITHMETICS = COUNT(arithmetics) };
 
 /* The states of a program under test: chain a, chain b, the time, two quadratures. */
 enum { CHAIN = ORDER + 2, A = 0, B = CHAIN, TIME = 2 * CHAIN, Z, Z2, STATES };
@@ -559,7 +559,7 @@ static const struct {
     {"exp, 3", build_exp, oracle_exp, 3, 0, 0, 0, 0, 0, 0},
     {"smooth abs, 1", build_abs, oracle_smooth_abs, 1, 0, 0, 0, 0, 0, 0},
 };
-enum { LEADING = (int)(sizeof leading / sizeof *leading) };
+enum { LEADING = COUNT(leading) };
 
 START_TEST(runs_ahead_of_leading_zeros)
 {
@@ -724,7 +724,7 @@ static const struct {
     {"power of a negative number", "power", build_pow, 0, -1, 0},
     {"power of zero", "power", build_pow, 1, 1, 0},
 };
-enum { SINGULAR = (int)(sizeof singular / sizeof *singular) };
+enum { SINGULAR = COUNT(singular) };
 
 START_TEST(says_where_it_is_singular)
 {
@@ -1049,9 +1049,9 @@ START_TEST(double_and_mpfr_agree_to_the_bit_on_single_operations)
 }
 END_TEST
 
-Suite *suite_recurrences(void)
+Suite *suite_jet(void)
 {
-    Suite *s = suite_create("recurrences");
+    Suite *s = suite_create("jet");
     TCase *t = tcase_create("operations");
     tcase_add_loop_test(t, agrees_with_the_oracle, 0, OPERATIONS * ARITHMETICS);
     tcase_add_loop_test(t, runs_ahead_of_leading_zeros, 0, 2 * LEADING * ARITHMETICS);
