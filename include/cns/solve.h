@@ -1,13 +1,14 @@
-/* Whole trajectories as tables: by given numerics, with or without a proof, or by a goal.
+/* Whole trajectories, as rows and events: by a goal, or by given numerics with or without a proof.
  *
  * Proof is Clean Numerical Simulation's own criterion, convergence under refinement, strengthened; it is not
- * interval arithmetic. Two runs differ in precision (by at least one limb), order, safety factor and hence
- * every step, with every constant converted anew from its text. e = 16 max(|s1 - s2|, what the measured
- * growth makes of the coarse run's noise), the maximum over all states and derived quantities, bounds the
- * error of the finer run, which is the one printed: a text is proven when s2 - e and s2 + e have it both.
- * Two more checks make an error of the program, rather than chaos, show itself: the difference must be
- * explained by noise times measured growth, and after every step of both runs the derivative of the series
- * must be the right-hand side evaluated pointwise. */
+ * interval arithmetic. Every value is computed by two runs that differ in precision (by at least one limb),
+ * order, safety factor and hence every step, with every constant converted anew from its text. The finer run
+ * is told. Its error is at most e, which is 16 times the largest difference of the two runs in any state or
+ * derived quantity, or 16 times what the measured growth makes of the coarser run's noise, whichever is
+ * larger: a text is proven when value - e and value + e both have it. Two more checks make an error of the
+ * program, rather than chaos, show itself: the difference must be explained by noise times measured growth,
+ * and after every step of both runs the derivative of the series must be the right-hand side evaluated
+ * pointwise. */
 #ifndef CNS_SOLVE_H
 #define CNS_SOLVE_H
 
@@ -46,14 +47,15 @@ typedef struct cns_run_info {
     long proof_digits; /* of the coarser run; 0: no proof */
     mpfr_prec_t proof_prec;
     int proof_order;
-    const char *kernel;          /* of the printed run's arithmetic: avx512ifma, portable, mpfr, double */
-    bool planned;                /* by goal: the following are predictions */
-    double followed;             /* the last time that the preliminary run reached */
-    double growth;               /* log10 of the largest growth of noise expected */
-    double margin;               /* digits added for its fluctuation */
-    double steps, seconds;       /* of the printed run; of both, on a machine with nothing else to do */
-    double done[CNS_PLAN_PARTS]; /* of each part of the time: which part of the seconds has gone at its end */
-    double memory;               /* bytes, the program itself and its libraries with it */
+    const char *kernel;    /* of the printed run's arithmetic: avx512ifma, portable, mpfr, double */
+    bool planned;          /* by goal: the following are predictions */
+    double followed;       /* the last time that the preliminary run reached */
+    double growth;         /* log10 of the largest growth of noise expected */
+    double margin;         /* digits added for its fluctuation */
+    double steps, seconds; /* of the printed run; of both, on a machine with nothing else to do */
+    /* The fraction of these seconds that is over at the end of each of so many equal parts of the time. */
+    double done[CNS_PLAN_PARTS];
+    double memory; /* bytes, the program itself and its libraries with it */
 } cns_run_info;
 
 typedef struct cns_row {

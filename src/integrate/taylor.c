@@ -1,7 +1,9 @@
 /* The Taylor method: jet, step from the last coefficients, kinks, evaluation.
  *
- * Coefficients are those of an expansion in tau = (t - t0)/H, with H = 1 but for arithmetics that want it
- * near the step. What is called tau here is in that unit, what is called h or t in the unit of time. */
+ * A series is in tau = (t - t0)/H. The fast arithmetic keeps all coefficients of a series with one exponent,
+ * and so wants them to fall slowly and evenly: for it H is about the length of the step, guessed before the
+ * expansion. For the other arithmetics H = 1. What is called tau here is in units of H, what is called h or t
+ * in the unit of time. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,34 +16,38 @@ struct cns_stepper {
     cns_flow_spec spec;
     int n;
     cns_jet *jet;     /* the one expanded last: plain or fast */
-    cns_jet *plain;   /* made when first needed, if there is a fast one */
+    cns_jet *plain;   /* H = 1; if there is a fast one, made when that does not fit for the first time */
     cns_jet *fast;    /* NULL: the arithmetic needs no H */
     cns_jet *scout;   /* in double, to guess the first H */
     double H;         /* of the last expansion */
-    double next_log2; /* log2 of the step that the next expansion should allow; HUGE_VAL: no idea */
+    double next_log2; /* the next H, log2: a guess at the next step; HUGE_VAL: there is none */
     mpfr_prec_t prec; /* of this step, with its tolerance and order: the spec's, or the schedule's */
     double tolerance_log2;
     int order_asked;
     int order;    /* of the last expansion */
     mpfr_t *poly; /* its coefficients, spec.order + 1 per state, once loaded */
     bool loaded;
-    mpfr_t *watch;   /* those of one watched quantity */
+    mpfr_t *watch;   /* the same of one watched quantity: what stands under an abs or a root (taylor/jet.h) */
     bool *landed_on; /* watched quantities on whose zeros the last step ended */
     mpfr_t tau, root, sum, term;
     double noise_log2;
 };
 
 enum {
-    TESTED = 4,
+    TESTED = 4, /* coefficients that choose the step */
     MAX_STEP_LOG2 = 10,
     SCOUT_ORDER = 24,
-    FAST_GUARD_BITS = 40, /* for block exponents above the size of the states, and for divisions */
-    NOISE_BITS = 10,      /* of the 16 guard bits, what the noise of the fast arithmetic may take */
-    FAST_TRIES = 5,
-    MAX_GAIN_LOG2 = 4, /* a step may grow by so much: coefficients below the noise tell no more */
-    LEAST_DIGITS = 8,
-    MOST_DECAY = 3,
-    MANTISSA = 24 /* bits of H and of adaptive steps: few, so that time stays exact */
+    /* Of the fast arithmetic, beyond the flow's precision: the one exponent of a series is that of its
+     * largest coefficient, which may be above the state's own, and divisions lose some. */
+    FAST_GUARD_BITS = 40,
+    NOISE_BITS = 10, /* what the noise of the fast arithmetic may take of the 16 guard bits (numerics.c) */
+    FAST_TRIES = 5,  /* with H halved each time */
+    /* The guess at the next step is at most 2^4 of this one. Where the last coefficients fall faster than
+     * that they sink into the noise of the fixed point, and do not tell how much longer a step could be. */
+    MAX_GAIN_LOG2 = 4,
+    LEAST_DIGITS = 8, /* that a schedule may ask for */
+    MOST_DECAY = 3,   /* bits per order by which the fast arithmetic can let coefficients fall */
+    MANTISSA = 24     /* bits of H and of adaptive steps: few, so that time stays exact */
 };
 
 static void destroy(cns_stepper *s)
@@ -102,8 +108,8 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
     return s;
 }
 
-/* Bits by which the coefficients of the fast expansion fall per order: from the tolerance over the order, as
- * whole bits. */
+/* Tells the fast arithmetic by how many whole bits per order coefficients will fall: as many as reach the
+ * tolerance at the end of the series, and no sooner than two or three orders before it. */
 static void set_decay(cns_stepper *s)
 {
     const cns_arith_ops *ops = cns_flow_arith(&s->spec);
@@ -213,7 +219,7 @@ static void set_tau(cns_stepper *s, const mpfr_t t)
         mpfr_div_d(s->tau, t, s->H, MPFR_RNDN);
 }
 
-/* Coefficients cross from the arithmetic only when something between the ends of a step is asked for. */
+/* Coefficients are converted to MPFR only when something between the ends of a step is asked for. */
 static void load(cns_stepper *s)
 {
     for (int i = 0; i < s->n && !s->loaded; i++)
@@ -294,8 +300,8 @@ static bool scout(cns_stepper *s, mpfr_t *x)
            reach(s, s->tolerance_log2, s->order_asked, &s->next_log2);
 }
 
-/* The expansion in the arithmetic that wants H. False if it does not fit: for leading zeros, for noise above
- * the precision with any H tried, for a given step beyond what H can be. */
+/* The expansion in the fast arithmetic. False if it does not fit: because of leading zeros, because its noise
+ * is above the precision with every H tried, or because a given step is longer than H can be. */
 static bool expand_fast(cns_stepper *s, const cns_step *step, mpfr_t *x)
 {
     cns_error ignored;
@@ -444,8 +450,8 @@ static void set_zeros(cns_stepper *s, mpfr_t *y)
     }
 }
 
-/* Precision, tolerance and order for a step that begins at t. Numbers that hold coefficients follow, so that
- * evaluation gets cheaper, too. */
+/* Precision, tolerance and order for a step that begins at t, by the schedule; they only fall. The numbers
+ * that hold coefficients get the same precision, which makes evaluation cheaper, too. */
 static void choose_accuracy(cns_stepper *s, double t)
 {
     if (!s->spec.schedule)

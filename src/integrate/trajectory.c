@@ -169,7 +169,7 @@ cns_code cns_trajectory_step(cns_trajectory *t, cns_error *err)
     if (t->spec.stepped)
         t->spec.stepped(t->spec.context, t->flow);
     if (!t->spec.no_growth) {
-        double noise = t->spec.unit_noise != 0 ? t->spec.unit_noise : cns_flow_noise_log2(t->flow);
+        const double noise = t->spec.unit_noise ? 0 : cns_flow_noise_log2(t->flow);
         code = cns_growth_follow(t->growth, t->flow, noise, err);
         if (!code && t->spec.origins && origin_is_due(t))
             code = cns_growth_mark(t->growth, err);

@@ -51,7 +51,9 @@ static double crossing_steps(double digits, double eps_log2)
     return 0.78 * 2 * order / 3 * (pow(10, digits / order) - pow(10, last / order));
 }
 
-/* Is the step one of those across a smoothed kink, which are tallied together when they are over? */
+/* Is a step of length 2^h, of at most 2^own by its coefficients, one of those across a smoothed kink? A
+ * crossing begins with a step that is 8 times shorter than the longest before it, and is over when one is
+ * again within a factor of 4 of that. */
 static bool crosses(cns_tally *y, int at, double h_log2, double own)
 {
     enum { NARROW = 3, WIDE = 2 };
@@ -117,9 +119,9 @@ static double steps_in(const cns_tally *y, int i, const cns_flow_spec *spec, lon
     return steps + 1.5 * y->part[i].landings;
 }
 
-/* A step takes the trajectory just beyond the end of its last one, and a second look at the same time
- * tells the cost of a row. The first step of all is not counted: it has more to do. False if nothing could
- * be measured. */
+/* What a step takes, and a row. Asked for its state just beyond the end of the last step, the trajectory
+ * makes one step and evaluates it; asked for the same time again it only evaluates, which is what a row
+ * takes. The first step of all is not counted: it has more to do. False if nothing could be measured. */
 static bool measure(const cns_problem *p, const cns_flow_spec *spec, bool growth, double steps, level *l,
                     double *memory)
 {
@@ -172,7 +174,7 @@ static bool measure(const cns_problem *p, const cns_flow_spec *spec, bool growth
     return counted > 0;
 }
 
-/* y at x on the line through two points, all in logarithms. */
+/* y at x on the power law through two points, which is a line between their logarithms. */
 static double between(double x, double x0, double y0, double x1, double y1)
 {
     if (x1 == x0 || !(y0 > 0) || !(y1 > 0))

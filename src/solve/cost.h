@@ -1,4 +1,4 @@
-/* What a run will cost: steps, time, memory. Private to src/integrate. */
+/* What a run will cost: steps, time, memory. Private to src/solve. */
 #ifndef CNS_SOLVE_COST_H
 #define CNS_SOLVE_COST_H
 
@@ -6,22 +6,28 @@
 
 enum { CNS_TALLY_LEVELS = 14 };
 
-/* How many steps a run takes in each part of the time, from the steps of a preliminary one. */
+/* How many steps runs of more digits take in each part of the time, from the steps of a preliminary run. */
 typedef struct cns_tally {
     const cns_flow_spec *spec; /* of the preliminary run */
     double end;
     struct {
-        double steps[CNS_TALLY_LEVELS]; /* regular ones, at 10, 20, 40 ... digits */
-        double approaches;              /* towards a square root's zeros: as many at any digits */
-        double landings;
+        double steps[CNS_TALLY_LEVELS]; /* that the coefficients allow, at 10, 20, 40 ... digits */
+        double
+            approaches; /* shorter ones, that halve the distance to a zero of a root: as many at any digits */
+        double landings; /* on kinks */
     } part[CNS_PLAN_PARTS];
-    bool begun;
-    double before[CNS_TALLY_LEVELS]; /* log2 of the last step that the coefficients allowed */
-    bool crossing;                   /* a kink that is smoothed */
-    double wide, least;              /* log2 of the longest step since the last one; of the shortest in it */
+    bool begun; /* `before` is there */
+    double
+        before[CNS_TALLY_LEVELS]; /* log2 of the length that the last step's coefficients allow, by level */
+    /* On the way across a smoothed kink, sqrt(u^2 + eps^2) near u = 0, steps shrink to about eps and grow
+     * again. They are not counted one by one. When they are over, what they are at each level follows from
+     * how far they have shrunk. */
+    bool crossing; /* are they going on? */
+    double wide;   /* log2 of the longest step since the last crossing */
+    double least;  /* log2 of the shortest step of this one */
 } cns_tally;
 
-void cns_tally_step(void *tally, const cns_flow *f);
+void cns_tally_step(void *tally, const cns_flow *f); /* after each step; as cns_trajectory_spec.stepped */
 
 /* Fills in steps, seconds and memory of *plan for the two runs of a proof. Some steps of either run are made,
  * at the digits that its schedule has first, last and in between, and what they take is summed over the

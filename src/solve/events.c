@@ -107,8 +107,8 @@ long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_fou
     cns_bounded *value = cns_xalloc((size_t)n + 1, sizeof *value);
     int count = 0;
     value[count++] = (cns_bounded){a->time, time_error};
-    for (int i = 0; i < n; i++)
-        if (i != exact)
+    for (int i = 0; i < n; i++) /* zero in both runs is an invariant line, and exact */
+        if (i != exact && !(mpfr_zero_p(a->state[i]) && mpfr_zero_p(b->state[i])))
             value[count++] = (cns_bounded){a->state[i], error};
     const long found = cns_proof_places(value, count, places, most);
     *error_log10 = cns_log2_mpfr(error) * CNS_LOG10_2;

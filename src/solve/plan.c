@@ -14,11 +14,14 @@
 #include "proof.h"
 
 enum {
+    /* Of the preliminary run. */
     DOUBLE_ORDER = 22,
     DOUBLE_TOLERANCE_LOG2 = -54,
-    SPARE_DIGITS = 5, /* noise constants of a step, and few straddles */
-    LEAST_DIGITS = 10,
-    WINDOWS = 64
+    /* A step makes more noise than one rounding; and with e some digits below the last place told, few values
+     * lie so near to a rounding boundary that the place is lost and the run must be repeated. */
+    SPARE_DIGITS = 5,
+    LEAST_DIGITS = 10, /* of the coarser run */
+    WINDOWS = 64       /* parts of the time in which growth is compared, for its fluctuation */
 };
 
 /* The decimals that the goal asks for in x: significant digits of a small number are more. */
@@ -128,7 +131,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
                                 .n_conditions = p->n_conditions,
                                 .met = add_event_needs,
                                 .stepped = cns_tally_step,
-                                .unit_noise = -1e-9}; /* one unit per step */
+                                .unit_noise = true};
     const double since = cns_thread_seconds();
     cns_tally tally = {.spec = &spec.flow, .end = spec.end};
     needs need = {.p = p, .goal = goal, .most = (double)goal->count};

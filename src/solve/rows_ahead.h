@@ -1,5 +1,5 @@
 /* A trajectory sampled at the rows of a problem, in a thread of its own that runs some rows ahead, or in the
- * caller's. The samples are the same. Private to src/integrate. */
+ * caller's. The samples are the same. Private to src/solve. */
 #ifndef CNS_SOLVE_ROWS_AHEAD_H
 #define CNS_SOLVE_ROWS_AHEAD_H
 
