@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "num/vector.h"
 const double unit_scales[MAX_SCALES] = {
     1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
     1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
@@ -12,20 +13,14 @@ const double unit_scales[MAX_SCALES] = {
 
 mpfr_t *vector_new(int n, mpfr_prec_t prec)
 {
-    mpfr_t *v = malloc(((size_t)n + 1) * sizeof *v);
+    mpfr_t *v = cns_vector_new(n, prec);
     ck_assert_ptr_nonnull(v);
-    for (int i = 0; i < n; i++) {
-        mpfr_init2(v[i], prec);
-        mpfr_set_zero(v[i], 1);
-    }
     return v;
 }
 
 void vector_free(mpfr_t *v, int n)
 {
-    for (int i = 0; i < n; i++)
-        mpfr_clear(v[i]);
-    free(v);
+    cns_vector_free(v, n);
 }
 
 cns_number *numbers_new(int n, const char *const *texts)

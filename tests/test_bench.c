@@ -8,7 +8,7 @@
 #include "cns/flow.h"
 #include "core/clock.h"
 #include "integrate/numerics.h"
-#include "support.h"
+#include "problem.h"
 
 static cns_system *problem(cns_bench_system system)
 {
@@ -34,10 +34,8 @@ START_TEST(agreement)
 {
     cns_system *p = problem(CNS_BENCH_APW);
     const int n = cns_program_states(cns_system_program(p));
-    mpfr_t x[8], y[8];
+    mpfr_t *x = vector_new(n, 200), *y = vector_new(n, 200);
     for (int i = 0; i < n; i++) {
-        mpfr_init2(x[i], 200);
-        mpfr_init2(y[i], 200);
         mpfr_set_d(x[i], 0.3 * i - 1, MPFR_RNDN);
         mpfr_set(y[i], x[i], MPFR_RNDN);
     }
@@ -48,10 +46,8 @@ START_TEST(agreement)
     ck_assert_double_eq_tol(cns_bench_agreed(p, (const mpfr_t *)x, (const mpfr_t *)y), 31, 0.1);
     mpfr_sub_d(y[n - 2], y[n - 2], 1e-12, MPFR_RNDN);
     ck_assert_double_eq_tol(cns_bench_agreed(p, (const mpfr_t *)x, (const mpfr_t *)y), 12, 0.1);
-    for (int i = 0; i < n; i++) {
-        mpfr_clear(x[i]);
-        mpfr_clear(y[i]);
-    }
+    vector_free(x, n);
+    vector_free(y, n);
     cns_system_free(p);
 }
 END_TEST
