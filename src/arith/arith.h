@@ -1,12 +1,12 @@
-/* The arithmetic under the Taylor engine.
+/* The arithmetic of power series, under the Taylor engine.
  *
  * An arithmetic holds `series` power series of orders 0..`order` in scaled time tau = (t - t0)/H, and one
- * accumulator. The recurrences (src/taylor/op) are written once over these primitives; each
- * backend (MPFR, double, fixed point) implements them all. A coefficient is built in the accumulator
- * from convolutions and whole coefficients, and rounded into its series by one of the store functions.
+ * accumulator. A coefficient is summed in the accumulator, from convolutions and from single coefficients,
+ * and rounded into its series by one of the store functions. These primitives (primitives.def) are all that
+ * the recurrences of operations (src/taylor/op) call, so that each recurrence is written once; the backends
+ * (MPFR, double, fixed point) implement them.
  *
- * Shapes: series are numbered 0..series-1; coefficient k of series a is written a_k, 0 <= k <= order.
- * A series may be an operand of a convolution only at orders already stored. */
+ * Series are numbered 0..series-1; coefficient k of series a is written a_k, 0 <= k <= order. */
 #ifndef CNS_ARITH_ARITH_H
 #define CNS_ARITH_ARITH_H
 
@@ -34,8 +34,8 @@ typedef struct cns_arith_spec {
     const char *kernel; /* of the fast arithmetic (fast.h); NULL: as chosen for the process */
 } cns_arith_spec;
 
-/* Declarations from a row of primitives.def, CNS_INTS_n(a, b, ...) being n parameters after others and
- * CNS_NAMES_n the same as arguments. */
+/* A row of primitives.def has n names of arguments: CNS_INTS_n(a, b, ...) makes them the parameters of a
+ * function, after its first, and CNS_NAMES_n(a, b, ...) the arguments of a call. */
 #define CNS_INTS_0()
 #define CNS_INTS_2(a, b)             , int a, int b
 #define CNS_INTS_3(a, b, c)          , int a, int b, int c
@@ -49,7 +49,8 @@ typedef struct cns_arith_spec {
 #define CNS_NAMES_5(a, b, c, d, e)    , a, b, c, d, e
 #define CNS_NAMES_6(a, b, c, d, e, f) , a, b, c, d, e, f
 enum { CNS_MOST_ARGUMENTS = 6 };
-#define CNS_ARRAY(names) ((const int[CNS_MOST_ARGUMENTS + 1]){0 names} + 1) /* of CNS_NAMES_n(...) */
+/* And CNS_ARRAY(CNS_NAMES_n(a, b, ...)) an array, filled up with zeros. */
+#define CNS_ARRAY(names) ((const int[CNS_MOST_ARGUMENTS + 1]){0 names} + 1)
 
 typedef enum cns_primitive {
 #define PRIMITIVE(KIND, name, n, ...) CNS_PRIMITIVE_##KIND,
@@ -57,8 +58,8 @@ typedef enum cns_primitive {
 #undef PRIMITIVE
 } cns_primitive;
 
-/* The trace of an order: the calls of primitives that the recurrences make at it, each with its arguments and
- * which of them grow by one from order to order. */
+/* The trace of an order: the calls of primitives that the recurrences make at it. From some low order on they
+ * make the same calls at every order, but for arguments that grow by one, as the order itself. */
 typedef struct cns_trace_call {
     cns_primitive primitive;
     int arg[CNS_MOST_ARGUMENTS];
@@ -73,10 +74,10 @@ typedef struct cns_trace {
 typedef struct cns_arith_ops {
     const char *name;
 
-    /* True: coefficients carry an absolute error, the expansion wants H near the step to come, so that they
-     * fall by some bits per order, and it serves tau <= 2^reach_log2 only. noise_log2 then tells, after an
-     * expansion, log2 of a bound on the error of a state's coefficients; it is HUGE_VAL where the expansion
-     * failed. NULL otherwise: the error is that of the precision. */
+    /* True: the errors of coefficients are absolute. Then an expansion wants an H near the step that is to be
+     * taken, so that coefficients fall by some bits per order, and serves tau <= 2^reach_log2 only. After an
+     * expansion noise_log2 is log2 of a bound on the errors of the states' coefficients, HUGE_VAL where the
+     * expansion failed. False: errors are relative, those of the precision, and noise_log2 is NULL. */
     bool in_steps;
     double reach_log2;
     double (*noise_log2)(const cns_arith *A);
@@ -88,9 +89,9 @@ typedef struct cns_arith_ops {
     /* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 2^reach_log2, cheapest where tau has some 32 bits only. NULL:
      * the caller sums coefficients itself. */
     void (*sum)(cns_arith *A, mpfr_t y, int a, int n, const mpfr_t tau);
-    /* y = sum_{k <= n} k a_k tau^(k-1), tau > 0, from the coefficients as they are, with an error below their
-     * own; *largest_log2: of its largest term times tau, to a bit, -HUGE_VAL if all vanish. False, or NULL:
-     * the caller sums coefficients itself. */
+    /* y = sum_{k <= n} k a_k tau^(k-1), tau > 0, of the coefficients as they are: the error of the sum itself
+     * is below that which the coefficients' own errors make. *largest_log2 is log2 of the largest term, times
+     * tau, to a bit; -HUGE_VAL if all terms vanish. False, or NULL: the caller sums coefficients itself. */
     bool (*slope)(cns_arith *A, mpfr_t y, double *largest_log2, int a, int n, const mpfr_t tau);
 
     cns_arith *(*create)(const cns_arith_spec *spec, cns_error *err); /* NULL: out of memory or range */
@@ -102,8 +103,7 @@ typedef struct cns_arith_ops {
      * except those given by set() with `keep` true (the constants). */
     void (*begin)(cns_arith *A, double H);
 
-    /* Single coefficients across the border, through MPFR. get is exact when y has the precision;
-     * set rounds to nearest. */
+    /* Single coefficients, out and in. get is exact when y has the bits; set rounds to nearest. */
     void (*get)(const cns_arith *A, mpfr_t y, int a, int k);
     void (*set)(cns_arith *A, int w, int k, const mpfr_t y, bool keep);
 
@@ -119,7 +119,7 @@ typedef struct cns_arith_ops {
      * was found to have failed. NULL: nothing is gained by it. */
     bool (*orders)(cns_arith *A, const cns_trace *trace, int from, int to);
 
-    /* Order-0 functions; w2 and b as cns_function says, -1 where unused. */
+    /* Functions of order-0 coefficients; w2 and b as cns_function says, -1 where it has none. */
     void (*function)(cns_arith *A, cns_function f, int w, int w2, int a, int b);
 } cns_arith_ops;
 

@@ -8,16 +8,21 @@
 #include "arith/fixed/fixed.h"
 #include "trace.h"
 
-/* The kernels' sums of half products stay below 2^63 for fewer than 1024 limbs. */
+/* Fewer than 1024 limbs: a kernel sums the two halves, of 52 bits, of as many limb products in a word, and
+ * the sum has to stay below 2^63. */
 enum { MAX_PREC = 52000, MAX_ORDER = 1000000 };
 
 struct cns_arith {
     fx *F;
     const fx_kernel *ops;
-    bool *integrated; /* the series that store_next makes: states */
-    long *level;      /* per series: see noise_log2 */
-    long now;         /* of the accumulator */
-    int step_bits;    /* H < 2^step_bits */
+    int step_bits; /* H < 2^step_bits */
+
+    /* For the bound on errors (noise_log2). The level of a series: the largest exponent of any number that a
+     * coefficient of it was made from since begin, moved by the factor of its store. Errors are proportional
+     * to 2^level. LONG_MIN: nothing was stored. */
+    long *level;      /* per series */
+    long now;         /* of the accumulator: the largest exponent so far */
+    bool *integrated; /* per series: it is a state, made by store_next */
 };
 
 static long most(long a, long b)
@@ -25,7 +30,7 @@ static long most(long a, long b)
     return a > b ? a : b;
 }
 
-/* The level of the accumulator goes into series w, moved by `factor` bits. */
+/* What a store does to the level of series w, `factor` being log2 of the factor that it multiplies by. */
 static void settle(cns_arith *A, int w, long factor)
 {
     long level = A->now == LONG_MIN ? LONG_MIN : A->now + factor;
@@ -142,8 +147,8 @@ static bool slope(cns_arith *A, mpfr_t y, double *largest_log2, int a, int n, co
     return true;
 }
 
-/* Block exponents are learnt from the last expansion; one that failed, or with a rather different H, has
- * nothing to teach. */
+/* Series take the block exponents that would have suited the last expansion. One that failed, or whose H was
+ * rather different, tells nothing: they are then chosen anew, by the first coefficients. */
 static void begin(cns_arith *A, double H)
 {
     if (H > 1.5 * A->F->H || A->F->H > 1.5 * H || A->F->singular || A->F->raised > 64)
@@ -173,6 +178,7 @@ static double get_2exp(const cns_arith *A, long *e, int a, int k)
     return cns_fx_get_2exp(A->F, e, a, k);
 }
 
+/* A term with this exponent is added to the accumulator. */
 static void at_least(cns_arith *A, long level)
 {
     A->now = most(A->now, level);
@@ -183,7 +189,7 @@ static long exponent(const cns_arith *A, int a)
     return A->F->series[a].exp;
 }
 
-/* What a primitive, when it has been called, does to the levels; x are its arguments. */
+/* What a primitive does to the levels, after it was called with arguments x. */
 static inline void level_of(cns_arith *A, cns_primitive primitive, const int *x)
 {
     switch (primitive) {
@@ -232,8 +238,8 @@ static inline void level_of(cns_arith *A, cns_primitive primitive, const int *x)
 #include "primitives.def"
 #undef PRIMITIVE
 
-/* The levels that the calls before `end` leave when they have been made at order k: those of lower orders
- * with the same exponents are none higher. */
+/* The same for the calls before the one numbered `end`, made at orders up to k with the same block exponents:
+ * levels depend on the order by the weight of an Euler derivative only, which is largest at order k. */
 static void levels_of(cns_arith *A, const cns_trace *trace, int end, int k)
 {
     for (const cns_trace_call *c = trace->call; c < trace->call + end; c++) {
@@ -243,8 +249,9 @@ static void levels_of(cns_arith *A, const cns_trace *trace, int end, int k)
     }
 }
 
-/* Orders of few rows go by a compiled order for as long as the block exponents stay; the sum at which one
- * must change, and what remains of its order, by the calls themselves. */
+/* Where coefficients have few limbs the trace is compiled, and run for as long as block exponents stay. Where
+ * one has to be raised, the sum that needs it, and what remains of that order, are made by calls; then the
+ * trace is compiled for the new exponents. */
 static bool orders(cns_arith *A, const cns_trace *trace, int from, int to)
 {
     fx *F = A->F;
@@ -282,14 +289,15 @@ static void function(cns_arith *A, cns_function f, int w, int w2, int a, int b)
         cns_fx_set(F, w2, 0, F->g2, false);
 }
 
-/* The bound. Sums of products a b drop less than a unit of 2^(e_a + e_b - W) per limb and term, which W has
- * bits for (fixed.h); other operations round once, at 2^(e - W). So a coefficient of w is made with an error
- * below 2^(level_w - W), the level being the largest of these exponents that occurred, moved by the factor of
- * the store: a quotient by d lowers it by log2 |d|. Errors of states count as they are, those of all others
- * reach states through x_{k+1} = H f_k / (k+1). What then happens to them is what happens to any small
- * disturbance of the series: it falls with the order as the series does. SLACK bits and those of the order
- * cover the sums over orders and over the tape's handful of operations. Measured on random arcs by the
- * tests, which hold the arithmetic to it. */
+/* A bound on the errors of the states' coefficients, W being the window (fixed.h). A convolution of a and b
+ * drops less than 2^(e_a + e_b - W) in all, as W has the bits for its many small errors; another operation
+ * rounds once, at 2^(e - W). So a coefficient of w is made with an error below 2^(level_w - W), by the
+ * definition of its level. The errors of states count as they are. Those of other series reach states by
+ * x_{k+1} = H f_k / (k+1): they count H times, or more for tau > 1. From there on an error is a small
+ * disturbance of the solution like any other, whose series falls with the order as that of the solution does.
+ * The sums of such errors over the orders, and over the few operations between the states and their
+ * derivatives, are covered by the bits of the order and by SLACK. Tests measure the errors on random arcs,
+ * and hold the arithmetic to this bound. */
 enum { SLACK = 5 };
 
 static double noise_log2(const cns_arith *A)

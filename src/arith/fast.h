@@ -1,11 +1,11 @@
-/* The fast arithmetic: block fixed point with precision by order. The same primitives as every arithmetic,
- * and what it can do beyond them.
+/* The fast arithmetic: block fixed point with fewer bits the higher the order. It has the primitives of every
+ * arithmetic; here is what it can do beyond them.
  *
- * Coefficients are absolute, not relative: a_k carries an error of a few units of 2^(e - prec) with e the
- * block exponent of its series, at every order k, provided |a_k| <= 2^e 2^(-decay k). Where a
- * coefficient exceeds that, the block exponent is raised in place and what is stored moves down with it;
- * nothing overflows, but the bits so lost are reported (cns_fast_status). Block exponents are learnt from the
- * last expansion. */
+ * The errors of coefficients are absolute, not relative: all coefficients of a series share one exponent e,
+ * its block exponent, and a_k has an error of a few units of 2^(e - prec) at every order k, provided that
+ * |a_k| <= 2^e 2^(-decay k). Where a coefficient is larger than that, the block exponent is raised, and the
+ * coefficients before it lose as many of their last bits: nothing overflows, and the bits lost are counted
+ * (cns_fast_status). An expansion begins with block exponents that would have suited the one before. */
 #ifndef CNS_ARITH_FAST_H
 #define CNS_ARITH_FAST_H
 
@@ -27,8 +27,8 @@ typedef struct cns_fast_status {
 
 const char *cns_fast_kernel(const cns_arith *A);
 
-/* For the next begin: working precision, at most that of the spec; bits by which coefficients are
- * expected to fall per order (3; 1..16). */
+/* From the next begin on: the working precision in bits, at most that of the spec, and the decay, the bits by
+ * which coefficients are expected to fall per order, 1..16; 3 if it is not set. */
 void cns_fast_set_precision(cns_arith *A, mpfr_prec_t prec);
 void cns_fast_set_decay(cns_arith *A, int decay);
 

@@ -6,7 +6,7 @@
 struct cns_arith {
     cns_trace_call *call;
     int n, capacity;
-    bool failed; /* a value was asked for, or memory ran out */
+    bool failed; /* a value was asked for, of which there is none, or memory ran out */
 };
 
 cns_arith *cns_recorder_new(void)

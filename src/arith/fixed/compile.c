@@ -1,23 +1,30 @@
-/* Recipes: what the calls of an order come to, for the block exponents as they are. The arithmetic of calls
- * one by one (fixed_core.h) is followed without its numbers; what it decides by exponents and loads is
- * decided here once, and what it decides by values is a reason to go back to it. */
+/* Compiling an order (fixed.h): its trace becomes a list of steps, for the block exponents as they are. The
+ * functions here, one for each primitive, follow what those of order_by_calls.h do to the accumulator's
+ * exponent and load, without its value: what they decide by exponents and loads is decided here, once. What
+ * they decide by a value cannot be, and is not compiled. */
 #include <stdlib.h>
 
 #include "fixed.h"
 
-/* Corrections of one set of lanes, two for each product: their load stays below 800 (fixed_core.h). */
-enum { MOST_PARTS = 10 };
+/* To take the bias off products that share the lanes, sums of u of their operands are added up: two for a
+ * convolution, a double one for a square. So many of them, each of a load of 4 * 17 (correct(),
+ * order_by_calls.h), need no carry: they stay below FX_CORR_LOAD. */
+enum { MOST_SUMS = 10 };
 
 typedef struct state {
     fx *F;
     const cns_trace *trace;
     int k;
-    int group;          /* the call that began the sum */
-    bool empty, normal; /* the accumulator; exponents leave out what all numbers of order k share */
+    int group; /* the call that began the sum */
+
+    /* Of the accumulator. Exponents are those at order 0: those of order k are all lower by d k. */
+    bool empty, normal;
     int load;
     long exp;
-    fx_step product[MOST_PARTS]; /* products that share their lanes: made when they are added */
-    int products, parts;
+
+    /* Products that wait in the lanes until they are added, for others that can share them. */
+    fx_step product[MOST_SUMS];
+    int products, sums;
     long lanes_exp;
 } state;
 
@@ -36,7 +43,7 @@ static bool append(fx *F, const fx_step *step)
     return true;
 }
 
-/* Adds a number of 2^exp, as add() of fixed_core.h does. */
+/* A step that adds a number with this exponent, as add() of order_by_calls.h does. */
 static bool add(state *s, fx_step step, long exp)
 {
     step.group = s->group;
@@ -72,10 +79,11 @@ static bool add(state *s, fx_step step, long exp)
     return append(s->F, &step);
 }
 
+/* The products that wait are added. */
 static bool flush(state *s)
 {
     const int n = s->products;
-    s->products = s->parts = 0;
+    s->products = s->sums = 0;
     for (int i = 0; i < n; i++) {
         fx_step *step = &s->product[i];
         step->open = i == 0;
@@ -87,12 +95,12 @@ static bool flush(state *s)
     return true;
 }
 
-static bool into_lanes(state *s, fx_step step, long exp, int parts)
+static bool into_lanes(state *s, fx_step step, long exp, int sums)
 {
     if (s->products > 0 && s->lanes_exp != exp && !flush(s))
         return false;
-    s->parts += parts;
-    if (s->parts > MOST_PARTS)
+    s->sums += sums;
+    if (s->sums > MOST_SUMS)
         return false;
     s->product[s->products++] = step;
     s->lanes_exp = exp;
@@ -127,7 +135,7 @@ static bool zero(state *s, const cns_trace_call *c)
 {
     s->group = (int)(c - s->trace->call);
     s->empty = true;
-    s->products = s->parts = 0;
+    s->products = s->sums = 0;
     return true;
 }
 
@@ -140,7 +148,7 @@ static bool coef(state *s, const cns_trace_call *c)
         return false;
     if (sign)
         return add(s, (fx_step){.kind = FX_DO_COEF, .flip = flip(c->arg[0]), .a = x}, x->exp + 1);
-    /* other weights: positive ones that grow, as a derivative's, when they come first */
+    /* A weight other than 1 or -1 is that of an Euler derivative, k a_k, which is a sum of its own. */
     if (!s->empty || s->products > 0 || c->arg[0] < 1 || s->F->order + 1 + c->arg[0] > FX_LANE_LOAD)
         return false;
     return add(s,
@@ -202,7 +210,7 @@ static bool square(state *s, const cns_trace_call *c)
                       1);
 }
 
-/* What every store begins with: the products that wait go to the accumulator, which is then complete. */
+/* What every store begins with. */
 static bool complete(state *s, const cns_trace_call *c, fx_step *step)
 {
     if (!flush(s) || !is_k(s, c, 1))
@@ -215,7 +223,7 @@ static bool complete(state *s, const cns_trace_call *c, fx_step *step)
     return true;
 }
 
-/* And ends with. */
+/* What every store ends with; the step knows its factor now. */
 static bool put(state *s, const cns_trace_call *c, fx_step *step)
 {
     fx *F = s->F;

@@ -6,9 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define GRAIN  4 /* block exponents are multiples of it, so that sums of products often share theirs */
-#define RANGE  (1L << 16) /* of block exponents; a multiple of GRAIN */
-#define MARGIN 2          /* bits left free above the largest coefficient seen */
+#define GRAIN 4 /* block exponents are multiples of it: products then often have the same, and share lanes   \
+                 */
+#define RANGE  (1L << 16) /* block exponents are between -RANGE and RANGE; a multiple of GRAIN */
+#define MARGIN 2          /* bits by which a block exponent is above the largest coefficient seen */
 
 static long round_up(long e)
 {
@@ -24,9 +25,9 @@ static int log2_ceil(unsigned long n)
     return e;
 }
 
-/* Bits of fixed point for a working precision: a convolution drops less than (N+1)(L+1) units (fixed.h), its
- * sum over the orders and the roundings of linear work some more; a block exponent stands up to
- * GRAIN + MARGIN bits above its series. */
+/* The window W for a working precision of prec bits and N = order. A convolution drops less than (N+1)(L+1)
+ * units of the last limb of L (fixed.h): so many bits more are held. 12 more are for a block exponent that is
+ * up to GRAIN + MARGIN bits above its series, and for the other roundings, of which each costs a unit. */
 static long window_bits(int order, mpfr_prec_t prec)
 {
     const unsigned long limbs = (unsigned long)prec / FX_BITS + 2;
@@ -38,8 +39,9 @@ static int limbs_for(long bits)
     return bits <= FX_BITS ? 1 : (int)((bits + FX_BITS - 1) / FX_BITS);
 }
 
-static _Thread_local size_t allocated; /* by words() and cells(), since cns_fx_create began */
+static _Thread_local size_t allocated; /* bytes, by words() and cells(), since cns_fx_create() began */
 
+/* Zeroed memory, words of 64 bits and aligned as vectors are. *ok becomes false where there is none. */
 static void *words(size_t n, bool *ok)
 {
     const size_t size = (n * 8 + 63) / 64 * 64;
@@ -84,7 +86,7 @@ static void const_clear(const fx *F, fx_const *c)
         free(c->limb - F->pad);
 }
 
-/* c = x = f 2^exp with f < 1 in the limbs. */
+/* c = x, with the given exponent, |x| < 2^exp. What is below the last limb is cut off. */
 static void const_set_scaled(fx *F, fx_const *c, const mpfr_t x, long exp)
 {
     c->sign = mpfr_sgn(x);
@@ -272,7 +274,6 @@ static bool all_zero(const fx *F, const fx_series *s)
     return true;
 }
 
-/* The exponent for the next expansion, from the largest coefficient of this one. */
 long cns_fx_learnt(const fx *F, int a)
 {
     const fx_series *s = &F->series[a];
@@ -351,7 +352,7 @@ void cns_fx_get(const fx *F, mpfr_t y, int a, int k)
     mpfr_set_z_2exp(y, z, s->exp + 1 - (long)F->decay * k - (long)FX_BITS * rows, MPFR_RNDN);
 }
 
-/* Limb i of |x|, `last` being the last one that is not zero; 0 only for -1 itself, which is out of range. */
+/* Limb i of |x|, limb `last` of x being its last one that is not zero. */
 static inline int64_t limb_of_size(const int64_t *x, int last, int i)
 {
     if (i > last)
@@ -380,7 +381,8 @@ double cns_fx_get_2exp(const fx *F, long *e, int a, int k)
     int i = 0;
     while (limb_of_size(x, last, i) == 0)
         i++;
-    /* the 55 bits or more that count, and a sticky bit, in 64 */
+    /* Its leading 55 bits or more, and whether there are others below them, in 64: enough to round to double.
+     */
     unsigned __int128 m = (unsigned __int128)limb_of_size(x, last, i);
     int used = i;
     while (used < i + 2 && m >> 60 == 0) {
@@ -438,7 +440,7 @@ void cns_fx_shift(int64_t *out, const int64_t *t, int rows, int t_rows, long shi
     out[0] = whole > far ? far : whole < -far ? -far : (int64_t)whole;
 }
 
-/* The least b with |t| < 2^b, or LONG_MIN for 0. */
+/* The least b with |t| < 2^b; LONG_MIN for 0. */
 static long bits_of(const int64_t *t, int rows)
 {
     if (t[0] != 0 && t[0] != -1)
@@ -496,7 +498,8 @@ static bool has(const fx_series *s, int parts)
     return (s->parts & parts) == parts;
 }
 
-/* Which operand is read forwards does not matter; the fewer copies of series, the better. */
+/* Either operand may be the one that is read forwards: the way that needs fewer new copies of series is
+ * taken. */
 bool cns_fx_orient(fx *F, int a, int b)
 {
     const fx_series *s = &F->series[a], *t = &F->series[b];
@@ -525,9 +528,9 @@ void cns_fx_fill(fx *F, int a, int k)
     }
 }
 
-/* Series that leave the range of exponents are those of a hopeless H: their coefficients square themselves
- * from order to order. The expansion is marked as failed, and its numbers stay small enough to be thrown
- * away. */
+/* exp, but within the range of block exponents. A series leaves it only where H is far too large, so that
+ * coefficients grow from order to order like repeated squares: the expansion has failed, and goes on with
+ * small numbers until it is thrown away. */
 static long bounded(fx *F, long exp)
 {
     if (exp <= RANGE && exp >= -RANGE)
@@ -545,7 +548,7 @@ void cns_fx_choose(fx *F, int w, int k)
     F->series[w].live = true;
 }
 
-/* Block exponent raised until 2^exp > 2^bits; what is stored moves down with it. */
+/* Raises the block exponent of w until it is above `bits`; what is stored moves down by as many bits. */
 static void raise_to(fx *F, int w, long bits)
 {
     fx_series *s = &F->series[w];
@@ -603,7 +606,7 @@ void cns_fx_set(fx *F, int w, int k, const mpfr_t y, bool keep)
     } else if (bits >= s->exp) {
         raise_to(F, w, bits);
     }
-    if (F->singular) { /* out of range: the value does not fit */
+    if (F->singular) { /* out of range: the value does not fit, and zero is stored */
         F->kernel->store(F, w, k);
         return;
     }
@@ -667,7 +670,7 @@ const fx_const *cns_fx_reciprocal(fx *F, int d, int v)
         return c;
     }
     c->divisor_exp = (long)mpfr_get_exp(F->f);
-    /* only as many bits as this expansion can use */
+    /* As many bits as this expansion can use; fewer than there is room for, if its precision is lower. */
     mpfr_set_prec(F->f2, (mpfr_prec_t)FX_BITS * (F->limbs + 3));
     mpfr_ui_div(F->f2, 1, F->f, MPFR_RNDN);
     const_set(F, c, F->f2);

@@ -1,4 +1,5 @@
-/* The AVX-512 IFMA kernel: eight terms of a convolution in eight lanes. */
+/* The AVX-512 IFMA kernel (order_by_calls.h). IFMA multiplies limbs of 52 bits and adds the low or the high
+ * half of each product, for eight terms of a convolution, a block, at once: term j is in lane j mod 8. */
 #include "fixed.h"
 
 #ifdef FX_HAVE_IFMA
@@ -14,10 +15,12 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* Limb products of a strip of terms: the pairs i < r, j < w + (corner ? r - 1 - i : 0), on diagonals
- * p = i + j < r + w - 1, low and high halves apart, in up to three sets of accumulators (by i) so that no
- * chain of additions is longer than the block. Everything below is resolved at compile time; named variables,
- * because compilers keep arrays in memory. */
+/* Part of the triangle of limb pairs i + j < rows, for a strip of blocks: the pairs i < r,
+ * j < w + (corner ? r - 1 - i : 0), limb i of the one operand with limb j of the other. Diagonal p = i + j <
+ * r + w - 1 has sums of the low halves, l, and of the high halves, h; and each of these in up to three sets
+ * a, b, c (by i), so that an addition need not wait for the one before. All conditions are decided when
+ * compiling, as r, w, corner and sets are constants. Sums are variables with names, because compilers keep
+ * arrays in memory. */
 #define MAX_DIAGONALS 12
 #define EACH(X)       X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7) X(8) X(9) X(10) X(11)
 
@@ -49,8 +52,8 @@
     la##p = _mm512_add_epi64(la##p, la##p), lb##p = _mm512_add_epi64(lb##p, lb##p),                          \
     lc##p = _mm512_add_epi64(lc##p, lc##p), ha##p = _mm512_add_epi64(ha##p, ha##p),                          \
     hb##p = _mm512_add_epi64(hb##p, hb##p), hc##p = _mm512_add_epi64(hc##p, hc##p);
-/* What the three sets of diagonals p have for the column p + 1, with what the column before leaves: `high`.
- */
+/* For column p + 1: `high`, the high halves of diagonal p and the low halves of diagonal p - 1, which
+ * `carried` brings. */
 #define GATHER(p)                                                                                            \
     __m512i high = _mm512_add_epi64(ha##p, carried);                                                         \
     carried = la##p;                                                                                         \
@@ -68,7 +71,7 @@
         into(lanes + 8 * (p + 1), high, sign, keep);                                                         \
     }
 
-/* Column q = p + 1 of the same, and column n after the last, in registers. */
+/* The same into registers c1, c2, ...: column q = p + 1, and after the last diagonal column n = p + 2. */
 #define COLUMN(p, q, n)                                                                                      \
     if (p < d) {                                                                                             \
         GATHER(p)                                                                                            \
@@ -77,7 +80,8 @@
             c##n = carried;                                                                                  \
     }
 
-/* Word p of the result is the sum over the lanes of column p: a transpose by halves, adding on the way. */
+/* Word p of the result is the sum of the lanes of column p: a transpose of eight by eight, which adds halves
+ * where it would otherwise move them. */
 INLINE __m512i across(__m512i c0, __m512i c1, __m512i c2, __m512i c3, __m512i c4, __m512i c5, __m512i c6,
                       __m512i c7)
 {
@@ -85,7 +89,7 @@ INLINE __m512i across(__m512i c0, __m512i c1, __m512i c2, __m512i c3, __m512i c4
     const __m512i s1 = _mm512_add_epi64(_mm512_unpacklo_epi64(c2, c3), _mm512_unpackhi_epi64(c2, c3));
     const __m512i s2 = _mm512_add_epi64(_mm512_unpacklo_epi64(c4, c5), _mm512_unpackhi_epi64(c4, c5));
     const __m512i s3 = _mm512_add_epi64(_mm512_unpacklo_epi64(c6, c7), _mm512_unpackhi_epi64(c6, c7));
-    /* pairs (column 2i, column 2i + 1) in each of four 128-bit parts */
+    /* Each s now has, in four parts of 128 bits, sums of two lanes of its two columns. */
     const __m512i u0 =
         _mm512_add_epi64(_mm512_shuffle_i64x2(s0, s1, 0x88), _mm512_shuffle_i64x2(s0, s1, 0xdd));
     const __m512i u1 =
@@ -99,8 +103,10 @@ INLINE void into(int64_t *lane, __m512i x, int sign, __mmask8 keep)
     _mm512_store_si512(lane, sign < 0 ? _mm512_sub_epi64(s, x) : _mm512_add_epi64(s, x));
 }
 
-/* lanes[p + 1], lanes[p + 2] += sign * diagonal p of the sum over `blocks` blocks; when `square`, twice that,
- * and the products of order mid once. */
+/* Columns p + 1 and p + 2 of the lanes += sign * diagonal p of the sum over `blocks` blocks of a and b, of
+ * which the masks first and last say which terms of the first and the last block count. For a square twice
+ * that, and the term of order mid >= 0, in a0 and b0, once. keep = 0: the lanes were not set before. reduced:
+ * the columns are summed over their lanes into it instead. */
 INLINE void tile(int64_t *lanes, const uint64_t *a, const uint64_t *b, size_t stride, int blocks,
                  __mmask8 first, __mmask8 last, const int sign, __mmask8 keep, const int r, const int w,
                  const int corner, const int sets, const int square, int mid, const uint64_t *a0,
@@ -192,8 +198,9 @@ TRIANGLE(8, 1)
 TRIANGLE(9, 1)
 TRIANGLE(10, 1)
 
-#define SMALL 10 /* rows up to which one triangle does */
-#define TILE  6  /* side of a tile beyond */
+#define SMALL 10 /* up to so many rows one call makes the whole triangle */
+#define TILE                                                                                                 \
+    6 /* beyond, it is made of squares of so many limbs, a trapezoid and a triangle per strip of rows */
 
 static triangle_function *const conv_small[SMALL + 1] = {NULL,   conv_1, conv_2, conv_3, conv_4, conv_5,
                                                          conv_6, conv_7, conv_8, conv_9, conv_10};
@@ -233,8 +240,9 @@ static void k_carry_lanes(int64_t *lanes, int *load, int rows)
     *load = 1;
 }
 
-/* Blocks per call: a diagonal of one accumulator grows by at most SMALL summands per block, a lane of the
- * sum by 2 * min(rows, TILE or SMALL). Short enough to keep two strips of rows in the first-level cache. */
+/* Blocks per call of tile(), few enough that two strips of rows stay in the first-level cache, and that
+ * nothing overflows: per block the sum of a diagonal grows by at most SMALL numbers of 52 bits, and the load
+ * of a lane by 2 * min(rows, TILE or SMALL). */
 #define BLOCKS 24
 
 static inline void reserve(int64_t *lanes, int *load, int rows, int more)
@@ -244,8 +252,8 @@ static inline void reserve(int64_t *lanes, int *load, int rows, int more)
     *load += more;
 }
 
-/* What the next call may read of the lanes; columns 0..zeros are set where nothing was added yet. A small
- * triangle writes all the others. */
+/* `keep` for the next call: does it add to the lanes, or set them? In the latter case columns 0..zeros, which
+ * it does not write, are set to zero here. */
 INLINE __mmask8 fresh(int64_t *lanes, int load, int zeros)
 {
     if (load != 0)
@@ -378,8 +386,8 @@ typedef uint64_t vector __attribute__((vector_size(64), aligned(8), may_alias));
 #define BEFORE(p) ((vector)_mm512_alignr_epi64(_mm512_loadu_si512(p), _mm512_loadu_si512((p)-8), 7))
 #define AFTER(p)  ((vector)_mm512_alignr_epi64(_mm512_loadu_si512((p) + 8), _mm512_loadu_si512(p), 1))
 
-/* One round leaves every limb in [-2^11, 2^52 + 2^11] and, but for one in 2^41 of random limbs, in place;
- * what is left is done limb by limb. */
+/* All carries at once, each by one limb: a limb is then in [-2^11, 2^52 + 2^11], and of random limbs all but
+ * one in 2^41 are in [0, 2^52). Otherwise carries have further to go, limb by limb. */
 INLINE void k_carry_one(vector *t, int rows)
 {
     const __m512i limb = _mm512_set1_epi64(FX_MASK);
@@ -389,7 +397,7 @@ INLINE void k_carry_one(vector *t, int rows)
                          _mm512_alignr_epi64(_mm512_setzero_si512(), _mm512_srai_epi64(x, FX_BITS), 1));
     *t = (vector)x;
     if (__builtin_expect(_mm512_mask_cmpgt_epu64_mask(0xfe, x, limb) != 0, 0)) {
-        vector slow = *t; /* apart, so that *t can stay in a register */
+        vector slow = *t; /* a copy, so that *t need not have an address and can stay in a register */
         carry_slowly((int64_t *)&slow, rows);
         *t = slow;
     }
@@ -403,7 +411,7 @@ INLINE void k_carry(int64_t *t, int rows)
         k_carry_one((vector *)t, rows);
 }
 
-/* t[p] = sum over lanes of column p, eight columns at a time; those beyond the last are not looked at. */
+/* Eight columns at a time; nobody looks at those beyond the last. */
 INLINE __m512i reduce_eight(const int64_t *lanes)
 {
     return across(_mm512_load_si512(lanes), _mm512_load_si512(lanes + 8), _mm512_load_si512(lanes + 16),
@@ -465,12 +473,12 @@ static inline void k_mul(int64_t *out, const int64_t *x, int rows, const fx_cons
     k_carry(out, rows + 1);
 }
 
-/* c = f 2^exp, f = limb[1] / 2^52: the pairs of k_mul without those that are zero. Not carried, the limbs
- * being below 2^54 and t[0] below 2^62; |x[0]| <= 400 and c > 0. */
+/* c has one limb only, c > 0, |x[0]| <= 400: the limbs of the product are below 2^54, out[0] is below 2^62.
+ */
 static inline void k_mul_short(int64_t *out, const int64_t *x, int rows, const fx_const *c)
 {
     const __m512i f = _mm512_set1_epi64(c->limb[1]);
-    __m512i left = _mm512_setzero_si512(); /* of t[p - 1] */
+    __m512i left = _mm512_setzero_si512(); /* the vector before, of which the last limb is needed */
     const int64_t whole = x[0] * c->limb[1];
     for (int p = 0; p <= rows + 1; p += 8) {
         const int n = rows + 1 - p; /* limbs x[p].. that count */
@@ -527,15 +535,14 @@ INLINE void k_mul_one(vector *out, const int64_t *x, const int rows, const fx_co
     k_carry_one(out, rows + 1);
 }
 
-/* Blocks of a product that one tile does without a carry: the load of a lane, over its eight, stays in 63
- * bits.
- */
+/* Can one call of tile() make the product, and its sum be added to the lanes without a carry between? The
+ * load bounds each of eight lanes: 8 * 256 * 2^52 = 2^63. */
 INLINE bool fits(int load, const int rows, int blocks)
 {
     return load + 2 * rows * blocks < 256 && blocks <= BLOCKS;
 }
 
-/* The lanes and, with the sign, what a tile has summed. Limbs of *x are below 2^53 in size. */
+/* *x = sign * sum, and unless the product was the only one, the lanes as well; |x[i]| < 2^53 for i >= 1. */
 INLINE void close_one(const int64_t *lanes, const int rows, int sign, bool open, __m512i sum, vector *x)
 {
     if (sign < 0)
@@ -555,7 +562,7 @@ INLINE void close_lanes(int64_t *lanes, int *load, const int rows, vector *x)
     *x = (vector)reduce_eight(lanes);
 }
 
-/* The product joins the lanes, or is the first of them; where it closes them, *x is their sum. */
+/* The sum of the last product of its lanes need not go through them. */
 INLINE void k_conv_one(int64_t *lanes, int *load, const int rows, const uint64_t *a, const uint64_t *b,
                        size_t stride, int lo, int hi, int sign, bool open, bool close, vector *x)
 {
@@ -607,7 +614,6 @@ INLINE __m512i words_up(__m512i x, int q, __m512i fill)
     return _mm512_mask_permutexvar_epi64(fill, (__mmask8)(0xff << (q < 8 ? q : 8)), from, x);
 }
 
-/* x 2^(-52 q - r), what lies above its first limb being zero. */
 INLINE void k_down_one(vector *x, int q, int r)
 {
     const __m512i zero = _mm512_setzero_si512(), limb = _mm512_set1_epi64(FX_MASK);
@@ -617,7 +623,6 @@ INLINE void k_down_one(vector *x, int q, int r)
         _mm512_and_si512(_mm512_sll_epi64(before, _mm_cvtsi32_si128(FX_BITS - r)), limb));
 }
 
-/* floor(x 2^-shift), x normalised, |x| < 2^52. */
 INLINE void k_floor_one(vector *x, long shift)
 {
     const int64_t whole = (int64_t)(*x)[0];

@@ -1,12 +1,14 @@
-/* The portable kernel: diagonals of limb products in 128-bit sums, one lane. */
+/* The portable kernel (order_by_calls.h). The products of limb i and limb j with the same i + j = p, a
+ * diagonal, have the same weight: they are summed in 128 bits, and the sum goes to three columns. Of the
+ * eight lanes of a column only the first is used. */
 #include "fixed.h"
 
 typedef unsigned __int128 wide;
 
 enum {
     MOST_ROWS = 1024, /* the fast arithmetic has fewer (MAX_PREC in arith/fast.c) */
-    BLOCK = 128,      /* terms at a time: they stay in the first-level cache */
-    FEW_ROWS = 5
+    BLOCK = 128,      /* terms of a convolution at a time: they stay in the first-level cache */
+    FEW_ROWS = 5      /* up to so many rows diagonal() is faster than diagonals() */
 };
 
 static wide row_product(const uint64_t *a, const uint64_t *b, int lo, int hi)
@@ -22,7 +24,7 @@ static wide row_product(const uint64_t *a, const uint64_t *b, int lo, int hi)
     return s0 + s1;
 }
 
-/* One diagonal of limb products, pair by pair. */
+/* Diagonal p of the products of terms lo..hi, pair by pair. */
 static wide diagonal(const uint64_t *a, const uint64_t *b, size_t stride, int p, int lo, int hi)
 {
     wide s0 = 0, s1 = 0;
@@ -240,7 +242,6 @@ static inline void k_after_one(vector *y, const vector *x)
     (*y)[7] = 0;
 }
 
-/* x 2^(-52 q - r), what lies above its first limb being zero. */
 static inline void k_down_one(vector *x, int q, int r)
 {
     int64_t *t = (int64_t *)x;
@@ -249,7 +250,6 @@ static inline void k_down_one(vector *x, int q, int r)
                (i > q ? (int64_t)((uint64_t)t[i - q - 1] << (FX_BITS - r)) & FX_MASK : 0);
 }
 
-/* floor(x 2^-shift), x normalised, |x| < 2^52. */
 static inline void k_floor_one(vector *x, long shift)
 {
     const vector t = *x;

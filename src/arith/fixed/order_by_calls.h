@@ -1,20 +1,24 @@
-/* The order loop of block fixed point, compiled once per kernel: everything the engine calls for every
- * coefficient. The including file defines FX_KERNEL_NAME and FX_KERNEL and the kernel itself:
- *   k_conv(lanes, load, rows, a, b, stride, lo, hi, sign)         lanes += sign * sum_{j=lo..hi} a[j] b[j]
- *                                                                 (= where *load is 0)
- *   k_square(lanes, load, rows, a, b, stride, lo, hi, mid, sign)  lanes += sign * (2 sum + a[mid] b[mid])
- *   k_reduce(t, lanes, columns)                                   t[p] = sum of column p
- *   k_mul(out, x, rows, c)       out = floor(x c), pairs i + j <= rows + 1; out[1..rows + 1] are limbs
- *   k_mul_short(out, x, rows, c)                                  the same where c->used <= 1
- *   k_carry(t, rows)                                              t normalised
- *   k_reduce_one, k_carry_one                                     the same for a single vector, in a register
+/* The primitives of block fixed point, called one by one: what the engine calls for every coefficient.
+ * Compiled once per kernel. The including file defines FX_KERNEL_NAME, FX_KERNEL and the kernel itself, the
+ * functions on limbs, all of which sum the same limb pairs exactly, so that every kernel gives the same bits:
+ *   k_conv(lanes, load, rows, a, b, stride, lo, hi, sign)         lanes += sign * sum_{j=lo..hi} a[j] b[j];
+ *                                                                 *load = 0: the lanes were empty
+ *   k_square(lanes, load, rows, a, b, stride, lo, hi, mid, sign)  lanes += sign * (2 sum + a[mid] b[mid]);
+ *                                                                 mid = -1: the sum only
+ *   k_carry_lanes(lanes, load, rows)                              carries from column to column, lane by lane
+ *   k_reduce(t, lanes, columns)                                   t[p] = the sum of the lanes of column p
+ *   k_mul(out, x, rows, c)       out = floor(x c), of the limb pairs i + j <= rows + 1, normalised:
+ *                                out[1..rows + 1] are limbs
+ *   k_mul_short(out, x, rows, c)                                  the same where c->used <= 1, not normalised
+ *   k_carry(t, rows)                                              normalises t
  *   BEFORE(p), AFTER(p)                                           the vectors at p - 1 and p + 1
- * These sum the same limb pairs exactly, so every kernel gives the same bits. Nothing here allocates,
- * divides or converts. */
+ * k_name_one does the same as k_name on a number of one vector, eight words, in a register; order_compiled.h
+ * says what more it asks for. Nothing here allocates, divides or converts. */
 #include "fixed.h"
 
-/* Vectors of eight limbs: the few-limb arrays are padded to whole ones. What lies beyond the last limb of a
- * number is arbitrary; sums and shifts to the left are unsigned so that it may overflow. */
+/* Vectors of eight limbs: the arrays of numbers are padded to whole ones. What lies beyond the last limb of a
+ * number is arbitrary; sums and shifts to the left are unsigned, so that nothing is undefined where it
+ * overflows. */
 typedef int64_t fx_v __attribute__((vector_size(64), aligned(8), may_alias));
 typedef uint64_t fx_u __attribute__((vector_size(64), aligned(8), may_alias));
 #define V(p)  (*(fx_u *)(p))
@@ -26,7 +30,7 @@ static inline int vectors(int rows)
     return (rows + 8) >> 3; /* covering t[0..rows] */
 }
 
-/* What is to be done for every vector v of t[0..rows]; a single one is the common case. */
+/* Does something for every vector v of t[0..rows]; most numbers have only one. */
 #define EACH_VECTOR(rows, ...)                                                                               \
     do {                                                                                                     \
         if ((rows) < 8) {                                                                                    \
@@ -47,8 +51,9 @@ static inline void normalise(fx_number *x)
     }
 }
 
-/* out = t 2^(-shift), 0 <= shift, by limbs; out[0] and the limbs above the first non-zero one are not
- * sign-extended, which a sum does not need. t is normalised and padded. */
+/* out = t 2^(-shift), shift >= 0, t normalised, with zeros before t[0]. The value is right, but a negative
+ * one is not normalised: the sign stays in the limb to which t[0] has moved, instead of filling those before
+ * it. To be added to something, it need not be. */
 static inline void shift_down(int64_t *out, const int64_t *t, int rows, long shift)
 {
     if (shift > (long)FX_BITS * rows) {
@@ -66,10 +71,12 @@ static inline void shift_down(int64_t *out, const int64_t *t, int rows, long shi
     }
 }
 
-/* weight * x * 2^shift; multiplying is slow where the weight is not a sign. */
+/* weight * x * 2^shift: where the weight is 1 or -1, by a faster way than multiplying. */
 #define TIMES(x, shift) (size == 1 ? ((CV(x) << (uint64_t)(shift)) ^ flip) - flip : CV(x) * (w << (shift)))
 
-/* acc += weight * x 2^exp; x normalised, padded or in a record, |weight| <= 128. */
+/* acc += weight * x 2^exp; x is normalised, and an array of a number or part of a record; |weight| <= 128.
+ * The one of the two with the lower exponent sets the scale where that is at most 7 bits off; otherwise it is
+ * moved down to the other's. */
 static void add(fx *F, const int64_t *x, int rows, long exp, int weight)
 {
     fx_number *acc = &F->acc;
@@ -108,7 +115,8 @@ static void add(fx *F, const int64_t *x, int rows, long exp, int weight)
         acc->load = (acc->load << s) + size;
         acc->exp = exp;
     } else if (shift < 0) {
-        if (-shift >= 8 * FX_BITS && x != F->tmp && x != F->tmp3) { /* a record has room for eight limbs */
+        if (-shift >= 8 * FX_BITS && x != F->tmp &&
+            x != F->tmp3) { /* a record has only eight zeros before x */
             EACH_VECTOR(rows, V(F->tmp3 + 8 * v) = CV(x + 8 * v));
             x = F->tmp3;
         }
@@ -127,7 +135,7 @@ static void add(fx *F, const int64_t *x, int rows, long exp, int weight)
     acc->normal = false;
 }
 
-/* Mask of the limbs 0..rows, vector v of it. */
+/* Vector v of a mask that has the limbs 0..rows of a number. */
 static const uint64_t mask_words[16] = {~UINT64_C(0), ~UINT64_C(0), ~UINT64_C(0), ~UINT64_C(0),
                                         ~UINT64_C(0), ~UINT64_C(0), ~UINT64_C(0), ~UINT64_C(0)};
 
@@ -137,7 +145,8 @@ static inline const uint64_t *below_row(int rows, int v)
     return mask_words + (n >= 8 ? 0 : n <= 0 ? 8 : 8 - n);
 }
 
-/* The lanes, summed, corrected for the bias and carried, go to the accumulator. */
+/* Adds what is in the lanes to the accumulator: the sum of products u v, without its bias (fixed.h), which is
+ * 2 sum u v - (sum u + sum v) + (number of terms)/2 at the exponent of the lanes, 2^(e_a + e_b + 1 - d n). */
 static void flush(fx *F)
 {
     const int rows = F->lanes_rows;
@@ -184,14 +193,15 @@ static inline void open_lanes(fx *F, int rows, long exp)
     F->terms = 0;
 }
 
-/* Record of order k: D_k, if kept, eight zeros, x_k. */
 static inline int64_t *record_at(const fx *F, const fx_series *s, int k)
 {
     return s->record + (size_t)k * (size_t)F->record;
 }
 
-/* Orders before which D_k is not carried: its limbs stay below 17 * 2^52. */
+/* D_k is D_(k-1) + u_k, normalised at every sixteenth order only: its limbs stay below 17 * 2^52. */
 #define SUM_LOAD 17
+
+/* Takes weight * (u_lo + ... + u_hi) = weight * (D_hi - D_(lo - 1)) into the correction of the lanes. */
 
 static inline void correct(fx *F, int rows, int weight, const fx_series *s, int lo, int hi)
 {
@@ -199,7 +209,7 @@ static inline void correct(fx *F, int rows, int weight, const fx_series *s, int 
     const int64_t *below = lo == 0 ? F->zeros : record_at(F, s, lo - 1);
     const uint64_t flip = weight < 0 ? ~UINT64_C(0) : 0;
     const int twice = weight == 2 || weight == -2; /* +-1 or +-2 */
-    if (F->corr_load > 800 - 4 * SUM_LOAD) {
+    if (F->corr_load > FX_CORR_LOAD - 4 * SUM_LOAD) {
         k_carry(F->corr, rows);
         F->corr_load = 1;
     }
@@ -303,7 +313,7 @@ static void f_square(fx *F, int sign, int a, int n, int lo)
              n % 2 == 0 ? n / 2 : -1, sign);
 }
 
-/* The accumulator, normalised; false when it is an empty sum. */
+/* Completes and normalises the accumulator; false: it is an empty sum. */
 static inline bool finish(fx *F)
 {
     if (F->lanes_used)
@@ -320,7 +330,7 @@ static inline bool finish(fx *F)
             (uint64_t)FX_MASK, (uint64_t)FX_MASK                                                             \
     }
 
-/* w_k = accumulator (normalised), or 0. */
+/* w_k = the accumulator, normalised, or 0. The limbs are written wherever convolutions will read them. */
 static void put(fx *F, int w, int k, bool nonzero)
 {
     fx_series *s = &F->series[w];
@@ -352,14 +362,14 @@ static void put(fx *F, int w, int k, bool nonzero)
         const int64_t first = x[1] + FX_HALF;
         if (x[0] + (first >> FX_BITS) != 0) {
             cns_fx_raise(F, w, k);
-            put(F, w, k, !F->singular); /* out of range: zero will do, the expansion has failed */
+            put(F, w, k, !F->singular); /* out of range, the expansion has failed: zero will do */
             return;
         }
     }
     const int64_t top = x[0] < 0 ? FX_MASK - x[1] : x[1];
     s->peak = top > s->peak ? top : s->peak;
 
-    /* u = x + 1/2; its integer part was found to vanish */
+    /* u = x + 1/2, in [0, 1): its integer part has been found to be 0. */
     const uint64_t first_limb = (uint64_t)((x[1] + FX_HALF) & FX_MASK);
     const size_t stride = F->stride;
     const uint64_t *u = (const uint64_t *)x + 1;
@@ -404,7 +414,7 @@ static void f_store(fx *F, int w, int k)
     put(F, w, k, finish(F));
 }
 
-/* acc *= c, with the limb that the product adds. */
+/* acc *= c; the product has one limb more. False: it is zero. */
 static inline bool times(fx *F, const fx_const *c)
 {
     if (c->sign == 0)
@@ -431,7 +441,6 @@ static void f_store_over(fx *F, int w, int k, int d, int v, int twice)
     if (!c->valid || c->index != v)
         c = cns_fx_reciprocal(F, d, v);
     const bool nonzero = finish(F) && times(F, c);
-    /* d_v carries 2^(-d v) in its value already: all exponents are those of the true numbers */
     F->acc.exp -= twice != 0;
     put(F, w, k, nonzero);
 }
@@ -456,22 +465,22 @@ static void f_store_next(fx *F, int w, int k, int c)
         if (!step->valid)
             cns_fx_prepare_step(F, c);
         const int rows = F->acc.rows + 1;
-        if (next->index != k || next->series != rows) {
+        if (next->index != k || next->for_rows != rows) {
             const fx_const *inverse = &F->inverse_order[k];
             k_mul(next->limb, step->limb, rows, inverse);
             next->sign = step->sign;
             next->exp = step->exp + inverse->exp;
             next->index = k;
             next->used = rows + 1;
-            next->series = rows;
+            next->for_rows = rows;
         }
         nonzero = times(F, next);
     }
     put(F, w, k + 1, nonzero);
 }
 
-/* Horner's rule, with one limb more than x_k: what a product drops is some units of that limb. Of a slope,
- * x_k counts k times. */
+/* Horner's rule from order n down: t = t c + x_k. t has one limb more than x_k, as what a product drops is
+ * some units of the last limb of t. For a slope, k x_k takes the place of x_k. */
 static void f_sum(fx *F, int a, int n, const fx_const *c, bool slope)
 {
     const fx_series *s = &F->series[a];
@@ -480,7 +489,7 @@ static void f_sum(fx *F, int a, int n, const fx_const *c, bool slope)
     int rows = 0; /* of t */
     int k = n;
     f_zero(F);
-    if (c->used <= 1 && c->sign != 0 && F->rows[n] < FX_ONE_ROWS) { /* in one vector */
+    if (c->used <= 1 && c->sign != 0 && F->rows[n] < FX_ONE_ROWS) { /* high orders in one vector */
         fx_u sum = {0}, product;
         for (; k >= least && F->rows[k] < FX_ONE_ROWS; k--) {
             const int now = F->rows[k];

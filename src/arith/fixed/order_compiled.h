@@ -1,8 +1,15 @@
-/* Recipes: the same sums, each in one vector. Compiled once for every number of rows up to FX_ONE_ROWS. */
+/* Running a compiled order (fixed.h): the sums of order_by_calls.h, each in one vector of eight words,
+ * t[0..rows]. Compiled once for every number of rows up to FX_ONE_ROWS, which `rows` then is: a constant. Of
+ * the kernel it asks, beside k_name_one: k_conv_one(..., open, close, x), k_square_one(..., open, close, x)
+ *                        as k_conv, but the product is known to be the first of its lanes where `open`, and
+ * where `close` the last: then *x becomes the sum over the lanes, |x[i]| < FX_SUM_LOAD 2^52 k_before_one(y,
+ * x), k_after_one(y, x)   y = x moved by one word to the back, to the front, a zero coming in k_down_one(x,
+ * q, r)  x *= 2^(-52 q - r), not normalised (shift_down) k_floor_one(x, s)    x = floor(x 2^-s), |x| < 2^52,
+ * normalised */
 
 #define FX_INLINE static inline __attribute__((always_inline))
 
-/* x 2^(-shift), as shift_down. */
+/* x *= 2^(-shift), as shift_down. */
 FX_INLINE void down_one(fx_u *x, const int rows, long shift)
 {
     if (shift > (long)FX_BITS * rows) {
@@ -15,6 +22,7 @@ FX_INLINE void down_one(fx_u *x, const int rows, long shift)
     k_down_one(x, (int)(shift / FX_BITS), (int)(shift % FX_BITS));
 }
 
+/* acc += term, moved as step s says; *term is used up. */
 FX_INLINE void add_one(fx_u *acc, fx_u *term, const fx_step *s, const int rows)
 {
     if (__builtin_expect(s->down_x != 0, 0))
@@ -31,14 +39,14 @@ FX_INLINE void add_one(fx_u *acc, fx_u *term, const fx_step *s, const int rows)
     *acc = (*acc << (uint64_t)s->up) + x;
 }
 
-/* The products of some lanes: corrections for the bias, terms, load. */
+/* Of the products in the lanes, what fx has as corr, terms and lanes_load. */
 typedef struct lanes_state {
     fx_u corr;
     long terms;
     int load;
 } lanes_state;
 
-/* D_hi - D_(lo - 1), +-1 or +-2 times. */
+/* corr += sign * (u_lo + ... + u_hi). */
 FX_INLINE void correct_one(const fx *F, lanes_state *l, const fx_series *s, int lo, int hi, int sign)
 {
     fx_u d = CV(record_at(F, s, hi));
@@ -50,6 +58,7 @@ FX_INLINE void correct_one(const fx *F, lanes_state *l, const fx_series *s, int 
         l->corr += d;
 }
 
+/* Takes a product into the lanes, and where it is their last one, adds what is in them to the accumulator. */
 FX_INLINE void product_one(fx *F, fx_u *acc, lanes_state *l, const fx_step *s, int k, const int rows)
 {
     fx_u x;
@@ -78,14 +87,14 @@ FX_INLINE void product_one(fx *F, fx_u *acc, lanes_state *l, const fx_step *s, i
     add_one(acc, &x, s, rows);
 }
 
-/* 1/(k + 1) of a factor's step, for an accumulator of so many rows. */
+/* The factor c/(k + 1) of a state's coefficient, for an accumulator of so many rows; made once per order. */
 FX_INLINE const fx_const *next_factor(fx *F, const fx_step *s, int k, const int rows)
 {
     fx_const *next = s->made;
     const fx_const *inverse = &F->inverse_order[k];
-    if (next->index == k && next->series == rows + 1)
+    if (next->index == k && next->for_rows == rows + 1)
         return next;
-    if (s->c->used <= 1 && rows < FX_ONE_ROWS) { /* the same pairs, the other way about */
+    if (s->c->used <= 1 && rows < FX_ONE_ROWS) { /* c, of one limb, is the shorter factor */
         fx_u x;
         k_mul_short_one(&x, (const fx_u *)inverse->limb, rows + 1, s->c);
         k_carry_one(&x, rows + 2);
@@ -97,11 +106,11 @@ FX_INLINE const fx_const *next_factor(fx *F, const fx_step *s, int k, const int 
     next->exp = s->c->exp + inverse->exp;
     next->index = k;
     next->used = rows + 2;
-    next->series = rows + 1;
+    next->for_rows = rows + 1;
     return next;
 }
 
-/* x = floor(t 2^shift). False where that is large. */
+/* x = floor(t 2^shift). False: it is too large to be a coefficient. */
 FX_INLINE bool shift_one(fx_u *x, const fx_u *t, long shift)
 {
     const fx_u whole_first = ALL_LIMBS(~UINT64_C(0));
@@ -120,7 +129,8 @@ FX_INLINE bool shift_one(fx_u *x, const fx_u *t, long shift)
     return true;
 }
 
-/* The accumulator times what the store says becomes a coefficient. False: it wants another block exponent. */
+/* Stores the accumulator, times the factor of the step, as a coefficient: wherever convolutions will read its
+ * limbs. False: it is too large for the block exponent of its series, and nothing has been stored. */
 FX_INLINE bool store_one(fx *F, const fx_u *acc, const fx_step *step, int k, const int rows)
 {
     fx_series *const s = step->w;
@@ -155,7 +165,7 @@ FX_INLINE bool store_one(fx *F, const fx_u *acc, const fx_step *step, int k, con
     const int64_t top = whole < 0 ? FX_MASK - words[1] : words[1];
     s->peak = top > s->peak ? top : s->peak;
 
-    /* u = x + 1/2. A limb beyond the last that counts does no harm. */
+    /* u = x + 1/2. x may have limbs after the last that counts; nobody reads them. */
     const uint64_t first_limb = (uint64_t)(first & FX_MASK);
     const size_t stride = F->stride;
     if (s->parts & FX_FWD) {
@@ -183,7 +193,7 @@ FX_INLINE bool store_one(fx *F, const fx_u *acc, const fx_step *step, int k, con
     return true;
 }
 
-/* Orders *from.. below `to` for as long as they have so many rows. */
+/* Runs orders *from, *from + 1, ... below `to` for as long as they have so many rows. */
 FX_INLINE const fx_step *run_rows(fx *F, const fx_compiled *C, int *from, int to, const int rows)
 {
     const fx_step *const end = C->step + C->n;
