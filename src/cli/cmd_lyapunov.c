@@ -62,7 +62,8 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
     cns_summary_number(s, "discarded", r->discarded, 9);
     cns_summary_long(s, "order", r->order);
     cns_summary_long(s, "steps", r->steps);
-    cns_summary_long(s, "events", r->landings);
+    cns_summary_long(s, "landings", r->landings);
+    cns_summary_long(s, "events", r->landings); /* its older name, until version 0.2 */
     cns_summary_open_list(s, "batches");
     for (int b = 0; b < CNS_LYAPUNOV_COUNTS; b++) {
         cns_summary_open_mapping(s, NULL);

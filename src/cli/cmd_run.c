@@ -67,7 +67,8 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *found)
     cns_summary_long(s, "digits", result->run.digits);
     cns_summary_long(s, "order", result->run.order);
     cns_summary_long(s, "steps", result->steps);
-    cns_summary_long(s, "events", result->landings);
+    cns_summary_long(s, "landings", result->landings);
+    cns_summary_long(s, "events", result->landings); /* its older name, until version 0.2 */
     cns_summary_text(s, "kernel", result->run.kernel);
     cns_summary_seconds(s, "wall_s", result->wall_s);
 }

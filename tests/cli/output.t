@@ -301,3 +301,13 @@ $ find . -type f ! -name a.yaml ! -perm 640; find runs -type f | grep -c .
 | goal: {decimals: 3}
 | laws: {digits: {from: 4, to: 6}}
 > re:^[1-9]
+
+= a summary counts the landings on kinks, under their older name, too
+$ cat > a.yaml; cns run -q --yaml a.yaml | awk '/^landings/ {n = $2} /^events/ {print (n > 0 && $2 == n)}'
+$ cns run -q --yaml a.yaml --set abs.smooth=1e-3 | grep landings
+| model: apw
+| initial: {theta: 1, Vy: 0.01, omega: 1}
+| time: {end: 12}
+| goal: {decimals: 4}
+> 1
+> landings: 0
