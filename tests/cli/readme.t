@@ -30,3 +30,6 @@ $ for f in src/*/; do grep -q "^    $f " src/README.md || echo "$f"; done
 $ cd "$CASES"/..; cns classify -q cases/tumble.yaml | head -6 > "$HOME"/got; cns bisect -q cases/heteroclinic.yaml >> "$HOME"/got
 $ cns plan cases/case4.yaml --until 500 --decimals 10 | head -4 >> "$HOME"/got
 $ sed -n 's/^    //p' cases/README.md > "$HOME"/shown; grep -vxFf "$HOME"/shown "$HOME"/got || true
+
+= every program, header and folder of tests is in tests/README.md
+$ cd "$CASES"/../tests; for f in *.h */ $(find * -prune -type f -perm -u+x); do grep -q "^| \`${f%/}" README.md || echo "$f"; done
