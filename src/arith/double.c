@@ -33,7 +33,7 @@ static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
     }
     if (!A || !A->c) {
         destroy(A);
-        cns_fail(err, CNS_NUMERIC, "out of memory: %d series of order %d", spec->series, spec->order);
+        cns_fail(err, CNS_MEMORY, "out of memory: %d series of order %d", spec->series, spec->order);
         return NULL;
     }
     return A;

@@ -100,7 +100,7 @@ static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
     }
     if (A == NULL || A->F == NULL || A->integrated == NULL || A->level == NULL) {
         destroy(A);
-        cns_fail(err, CNS_NUMERIC, "out of memory: %d series of order %d and %ld bits", spec->series,
+        cns_fail(err, CNS_MEMORY, "out of memory: %d series of order %d and %ld bits", spec->series,
                  spec->order, (long)spec->prec);
         return NULL;
     }

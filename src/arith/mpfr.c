@@ -43,7 +43,7 @@ static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
         A->limbs = n <= SIZE_MAX / bytes ? malloc(n * bytes) : NULL;
     }
     if (!A || !A->c || !A->limbs) {
-        cns_fail(err, CNS_NUMERIC, "out of memory: %d series of order %d at %ld bits", spec->series,
+        cns_fail(err, CNS_MEMORY, "out of memory: %d series of order %d at %ld bits", spec->series,
                  spec->order, (long)spec->prec);
         if (A) {
             free(A->c);

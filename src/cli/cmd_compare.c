@@ -10,7 +10,7 @@
 
 typedef struct compare_context {
     bool verbose;
-    cns_page page;
+    cns_text_stream page;
     cns_summary *summary; /* --yaml */
     int n;
     const char *const *names;
@@ -92,9 +92,15 @@ static void yaml_time(cns_summary *s, const char *key, const char *tc, const cha
     cns_summary_shut(s);
 }
 
-static void print_yaml(cns_summary *s, const cns_compare_result *r, const char *delta)
+/* False: out of memory. */
+static bool print_yaml(cns_summary *s, const cns_compare_result *r, const char *delta)
 {
-    cns_page norm;
+    cns_text_stream norm;
+    cns_text_open(&norm);
+    norm_text(r, norm.file);
+    char *text = cns_text_close(&norm, NULL);
+    if (text == NULL)
+        return false;
     if (r->differs) {
         cns_summary_open_mapping(s, "first_difference");
         cns_summary_text(s, "t", r->first.t);
@@ -111,17 +117,14 @@ static void print_yaml(cns_summary *s, const cns_compare_result *r, const char *
     for (int k = 0; k < r->n; k++)
         yaml_time(s, r->name[k], r->tc[k], r->last[k]);
     cns_summary_shut(s);
-    if (!cns_page_open(&norm)) {
-        norm_text(r, norm.file);
-        fclose(norm.file);
-        cns_summary_text(s, "norm_of", norm.text);
-        free(norm.text);
-    }
+    cns_summary_text(s, "norm_of", text);
+    free(text);
     cns_summary_open_mapping(s, "rows");
     cns_summary_long(s, "a", r->rows_a);
     cns_summary_long(s, "b", r->rows_b);
     cns_summary_long(s, "common", r->common);
     cns_summary_shut(s);
+    return true;
 }
 
 static void print_time(FILE *out, const char *name, const char *tc, const char *last)
@@ -154,9 +157,7 @@ static int compare(const cns_options *o, const cns_number *delta, cns_table_read
     cns_compare_result r;
     cns_error err;
     bool written = true;
-    int status = cns_page_open(&x.page);
-    if (status)
-        return status;
+    cns_text_open(&x.page);
     if (o->yaml) {
         x.summary = cns_summary_open(x.page.file);
         cns_summary_open_list(x.summary, "agreed");
@@ -170,16 +171,16 @@ static int compare(const cns_options *o, const cns_number *delta, cns_table_read
     cns_code code = cns_compare(&spec, &r, &err);
     if (x.summary) {
         cns_summary_shut(x.summary);
-        if (!code)
-            print_yaml(x.summary, &r, delta->text);
-        written = cns_summary_close(x.summary);
+        written = code || print_yaml(x.summary, &r, delta->text);
+        written = cns_summary_close(x.summary) && written;
     } else if (!code) {
         print_lines(x.page.file, &r, delta->text);
     }
     cns_compare_result_clear(&r);
     if (code || !written) {
-        cns_page_drop(&x.page);
-        return code ? cns_complain(code, "%s", err.text) : cns_complain(CNS_IO, "cannot write the summary");
+        free(cns_text_close(&x.page, NULL));
+        return code ? cns_complain(code, "%s", err.text)
+                    : cns_complain(CNS_MEMORY, "out of memory: cannot write the summary");
     }
     return cns_page_write(&x.page, NULL);
 }

@@ -38,8 +38,9 @@ static cns_code on_begin(void *context, const cns_run_info *run, cns_error *err)
     run_context *r = context;
     r->cx->since = cns_seconds(); /* progress is that of this attempt */
     announce(r, run);
-    cns_code code = r->events.n > 0 ? cns_event_table_begin(&r->events, err) : CNS_OK;
-    return !code && r->table ? cns_table_begin(r->table, run, err) : code;
+    if (r->events.n > 0)
+        cns_event_table_begin(&r->events);
+    return r->table ? cns_table_begin(r->table, run, err) : CNS_OK;
 }
 
 static cns_code on_row(void *context, const cns_row *row, cns_error *err)
@@ -97,7 +98,8 @@ static int close_outputs(run_context *r, const cns_result *result, cns_code code
     cns_error io = {0};
     const char *reason = !code || result->complete ? NULL : err->text;
     const bool gone = r->table && cns_table_reader_gone(r->table);
-    const bool abandoned = gone || code == CNS_IO;
+    /* Without memory for the first row, an older table is worth more. */
+    const bool abandoned = gone || code == CNS_IO || (code == CNS_MEMORY && result->rows == 0);
     if (gone)
         cns_meter_clear(&r->cx->meter);
     int status = gone ? CNS_STOPPED + SIGPIPE : cns_context_status(r->cx, code, err);

@@ -68,11 +68,9 @@ int cns_event_table_open(cns_event_table *t, const cns_context *cx)
 
 static void forget_lines(cns_event_table *t)
 {
-    if (t->lines != NULL)
-        fclose(t->lines);
-    free(t->text);
-    t->lines = NULL;
-    t->text = NULL;
+    if (t->lines.file != NULL)
+        free(cns_text_close(&t->lines, NULL));
+    t->lines.file = NULL;
 }
 
 void cns_event_table_close(cns_event_table *t)
@@ -83,16 +81,15 @@ void cns_event_table_close(cns_event_table *t)
     free(t->condition);
 }
 
-cns_code cns_event_table_begin(cns_event_table *t, cns_error *err)
+void cns_event_table_begin(cns_event_table *t)
 {
     forget_lines(t);
-    t->lines = open_memstream(&t->text, &t->size);
-    return t->lines != NULL ? CNS_OK : cns_fail(err, CNS_NUMERIC, "out of memory");
+    cns_text_open(&t->lines);
 }
 
 void cns_event_table_add(cns_event_table *t, const cns_event *e)
 {
-    FILE *out = t->lines;
+    FILE *out = t->lines.file;
     const cns_model *model = t->cx->c->model;
     const cns_event_condition *s = &t->condition[e->condition];
     const char *name = model->states[s->state].name;
@@ -113,14 +110,17 @@ void cns_event_table_add(cns_event_table *t, const cns_event *e)
         fprintf(out, ",\n");
 }
 
-int cns_event_table_write(const cns_event_table *t, const char *reason)
+int cns_event_table_write(cns_event_table *t, const char *reason)
 {
     const cns_options *o = t->cx->o;
     const cns_case *c = t->cx->c;
-    cns_page page;
-    int status = cns_page_open(&page);
-    if (status)
-        return status;
+    cns_error err;
+    cns_text_stream page;
+    char *lines = t->lines.file != NULL ? cns_text_close(&t->lines, &err) : cns_xcopy("");
+    t->lines.file = NULL;
+    if (lines == NULL)
+        return cns_complain(err.code, "%s", err.text);
+    cns_text_open(&page);
     FILE *out = page.file;
     cns_provenance_begin(out, c, "events of ", CNS_PROVENANCE_EQUATIONS);
     fprintf(out, c->has_goal || o->prove
@@ -131,10 +131,8 @@ int cns_event_table_write(const cns_event_table *t, const char *reason)
     for (int i = 0; i < c->model->n_states; i++)
         fprintf(out, ",%s", c->model->states[i].name);
     fprintf(out, ",decimals\n");
-    if (t->lines != NULL) {
-        fflush(t->lines);
-        fputs(t->text, out);
-    }
+    fputs(lines, out);
+    free(lines);
     cns_provenance_end(out, reason);
     return cns_page_write(&page, o->events);
 }

@@ -4,14 +4,13 @@
 
 #include "cns/solve.h"
 #include "context.h"
+#include "core/files.h"
 
 typedef struct cns_event_table {
     const cns_context *cx;
     int n, room;                    /* how many conditions, and for how many there is room */
     cns_event_condition *condition; /* the model's own, then those of --section */
-    FILE *lines;                    /* of the events told so far, into text; NULL: none were */
-    char *text;
-    size_t size;
+    cns_text_stream lines;          /* of the events told so far; file NULL: none were */
 } cns_event_table;
 
 /* An exit status, with the message out. To be closed in any case. */
@@ -19,11 +18,11 @@ int cns_event_table_open(cns_event_table *t, const cns_context *cx);
 void cns_event_table_close(cns_event_table *t);
 
 /* Forgets what an earlier attempt told. */
-cns_code cns_event_table_begin(cns_event_table *t, cns_error *err);
+void cns_event_table_begin(cns_event_table *t);
 void cns_event_table_add(cns_event_table *t, const cns_event *e);
 
 /* Writes the table into the file of --events. reason: why it ends too early; NULL: it does not. An exit
  * status. */
-int cns_event_table_write(const cns_event_table *t, const char *reason);
+int cns_event_table_write(cns_event_table *t, const char *reason);
 
 #endif

@@ -1,4 +1,7 @@
 #include <signal.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <gmp.h>
 #include <mpfr.h>
@@ -6,6 +9,7 @@
 
 #include "cns/version.h"
 #include "commands.h"
+#include "core/files.h"
 #include "report.h"
 
 /* The libraries that run, not those that were compiled against. */
@@ -34,8 +38,43 @@ static int run(const cns_options *o)
     return status;
 }
 
+/* Memory is exhausted to the last, on any thread: nothing that allocates can be called any more. */
+static void exhausted(void)
+{
+    static const char message[] =
+        "cns: out of memory; fewer digits, a lower order or fewer threads need less\n";
+    cns_files_remove_unfinished();
+    if (write(STDERR_FILENO, message, sizeof message - 1) < 0)
+        _exit(CNS_IO);
+    _exit(CNS_NUMERIC);
+}
+
+/* The stack grows into address space that may be used up by then (ulimit -v), and where malloc() could only
+ * fail, that ends the program with a segmentation fault. GMP puts temporaries of up to 64 KiB each there. So
+ * the stack is made to grow first, if there is room for it. */
+enum { STACK = 1 << 20 };
+
+static void touch_deep_stack(void)
+{
+    volatile char deep[STACK];
+    deep[0] = 0;
+    (void)deep[0];
+}
+
+static void grow_stack(void)
+{
+    void (*volatile touch)(void) = touch_deep_stack; /* volatile: inlined, it would touch before it asks */
+    struct rlimit limit;
+    void *volatile room = malloc(2 * STACK);
+    free(room);
+    if (room != NULL && getrlimit(RLIMIT_STACK, &limit) == 0 && limit.rlim_cur >= 4 * STACK)
+        touch();
+}
+
 int main(int argc, char **argv)
 {
+    grow_stack();
+    cns_memory_guard(exhausted);
     /* A reader that goes away (`| head`) shows as a failed write, after which files can be put in order;
      * the exit status is the one that the signal would have given. */
     signal(SIGPIPE, SIG_IGN);
@@ -45,5 +84,5 @@ int main(int argc, char **argv)
     int status = cns_options_parse(&o, argc, argv, &err) ? cns_complain(err.code, "%s", err.text) : run(&o);
     cns_options_clear(&o);
     mpfr_free_cache();
-    return status;
+    return status == CNS_MEMORY ? CNS_NUMERIC : status;
 }

@@ -19,65 +19,48 @@ int cns_complain(cns_code code, const char *format, ...)
     return (int)code;
 }
 
-int cns_page_open(cns_page *p)
+static int write_out(const char *text)
 {
-    *p = (cns_page){0};
-    p->file = open_memstream(&p->text, &p->size);
-    return p->file != NULL ? 0 : cns_complain(CNS_IO, "out of memory");
-}
-
-static int write_out(const cns_page *p)
-{
+    const size_t size = strlen(text);
     errno = 0;
-    if (fwrite(p->text, 1, p->size, stdout) == p->size && fflush(stdout) == 0)
+    if (fwrite(text, 1, size, stdout) == size && fflush(stdout) == 0)
         return 0;
     if (errno == EPIPE)
         return CNS_STOPPED + SIGPIPE;
     return cns_complain(CNS_IO, "cannot write to standard output: %s", strerror(errno));
 }
 
-int cns_page_write(cns_page *p, const char *path)
+int cns_page_write(cns_text_stream *page, const char *path)
 {
     cns_error err;
     int status = 0;
-    bool lost = ferror(p->file) != 0;
-    if (fclose(p->file) != 0 || lost)
-        status = cns_complain(CNS_IO, "out of memory");
-    else if (path == NULL)
-        status = write_out(p);
-    else if (cns_file_replace(path, p->text, &err))
+    char *text = cns_text_close(page, &err);
+    if (text != NULL && path == NULL)
+        status = write_out(text);
+    else if (text == NULL || cns_file_replace(path, text, &err))
         status = cns_complain(err.code, "%s", err.text);
-    free(p->text);
+    free(text);
     return status;
-}
-
-void cns_page_drop(cns_page *p)
-{
-    fclose(p->file);
-    free(p->text);
 }
 
 static int show_text(const cns_context *cx, const cns_view *view, const void *result, const char *path)
 {
-    cns_page page;
-    int status = cns_page_open(&page);
-    if (status)
-        return status;
+    cns_text_stream page;
+    cns_text_open(&page);
     view->text(page.file, cx, result);
     return cns_page_write(&page, path);
 }
 
 static int show_summary(const cns_context *cx, const cns_view *view, const void *result)
 {
-    cns_page page;
-    int status = cns_page_open(&page);
-    if (status)
-        return status;
+    cns_text_stream page;
+    cns_text_open(&page);
     cns_summary *s = cns_summary_open(page.file);
     view->yaml(s, cx, result);
-    bool written = cns_summary_close(s);
-    status = cns_page_write(&page, NULL);
-    return status || written ? status : cns_complain(CNS_IO, "cannot write the summary");
+    if (cns_summary_close(s))
+        return cns_page_write(&page, NULL);
+    free(cns_text_close(&page, NULL));
+    return cns_complain(CNS_MEMORY, "out of memory: cannot write the summary");
 }
 
 int cns_show(const cns_context *cx, const cns_view *view, const void *result)

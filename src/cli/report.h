@@ -7,6 +7,7 @@
 
 #include "cns/status.h"
 #include "context.h"
+#include "core/files.h"
 #include "io/summary.h"
 
 /* "cns: MESSAGE" on standard error; returns code. */
@@ -31,20 +32,10 @@ int cns_show(const cns_context *cx, const cns_view *view, const void *result);
 int cns_report(cns_context *cx, cns_code code, const cns_error *err, const cns_view *view,
                const void *result);
 
-/* A short text for standard output, built in memory and written at once, so that every failure to write
- * is seen and a reader gets all of it or a failure. */
-typedef struct cns_page {
-    FILE *file; /* print into this */
-    char *text;
-    size_t size;
-} cns_page;
-
-int cns_page_open(cns_page *p);
-/* Writes and frees: to standard output, or, where `path` is not NULL, into a file, which is replaced as a
- * whole (a device or pipe is written to). 128 + 13 without a message when the reader has gone (as in `|
- * head`), CNS_IO with one for any other failure. */
-int cns_page_write(cns_page *p, const char *path);
-/* Frees without writing. */
-void cns_page_drop(cns_page *p);
+/* Closes a short text that has been built in memory, so that a reader gets all of it or a failure, and writes
+ * it: to standard output, or, where `path` is not NULL, into a file, which is replaced as a whole (a device
+ * or pipe is written to). 128 + 13 without a message when the reader has gone (as in `| head`), CNS_IO with
+ * one for any other failure. */
+int cns_page_write(cns_text_stream *page, const char *path);
 
 #endif

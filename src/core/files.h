@@ -1,4 +1,4 @@
-/* Whole files: read at once, written aside and renamed, so that a file is old, new, or not there. */
+/* Whole files and whole texts: nothing is kept that was not written to its end. */
 #ifndef CNS_CORE_FILES_H
 #define CNS_CORE_FILES_H
 
@@ -10,19 +10,37 @@
 /* The text of a file, NUL-terminated, a new string; NULL when it cannot be read. */
 char *cns_file_text(const char *path);
 
-/* Opens a file to be written. *aside is a new string, its name until it is renamed to path; NULL for a device
- * or a pipe, which is written to directly. NULL, with errno, when it cannot be opened. */
-FILE *cns_file_create(const char *path, char **aside);
+/* A file that is being written: under a name of its own until it is whole, so that a reader finds the old
+ * one, the new one, or none. A device or a pipe is written to directly. */
+typedef struct cns_file {
+    FILE *stream;
+    char *path, *aside; /* aside NULL: directly */
+} cns_file;
 
-/* Ends such a file: forces all of it out and gives it its name, or, unless it is to be kept, removes what was
- * written aside. Frees aside. 0, or the errno of what failed, in the writing before too; then an older file
- * stays as it was. */
-int cns_file_finish(FILE *f, const char *path, char *aside, bool keep);
+cns_code cns_file_create(cns_file *f, const char *path, cns_error *err);
+/* Closes it: puts it in its place, or, with keep false or after a failure, removes it. */
+cns_code cns_file_close(cns_file *f, bool keep, cns_error *err);
+/* "cannot WHAT PATH: ..." for errno `cause`; CNS_IO, or CNS_MEMORY. */
+cns_code cns_file_failed(const char *what, const char *path, int cause, cns_error *err);
 
-/* Writes it whole. */
+/* Removes what has been created and not closed, without allocating: for a program about to end. */
+void cns_files_remove_unfinished(void);
+
+/* Writes a file whole. */
 cns_code cns_file_replace(const char *path, const char *text, cns_error *err);
 
 /* Makes the directory if it is not there; its parent must be. */
 cns_code cns_directory_make(const char *path, cns_error *err);
+
+/* A text that is written like a file. */
+typedef struct cns_text_stream {
+    FILE *file; /* print into this; never NULL */
+    char *text;
+    size_t size;
+} cns_text_stream;
+
+void cns_text_open(cns_text_stream *s);
+/* The text, a new string; NULL: there was not memory for all of it. */
+char *cns_text_close(cns_text_stream *s, cns_error *err);
 
 #endif

@@ -15,3 +15,8 @@ cns_code cns_fail(cns_error *err, cns_code code, const char *format, ...)
     }
     return code;
 }
+
+cns_code cns_out_of_memory(cns_error *err)
+{
+    return cns_fail(err, CNS_MEMORY, "out of memory; fewer digits, a lower order or fewer threads need less");
+}

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "cns/flow.h"
+#include "core/memory.h"
 #include "method.h"
 #include "num/logs.h"
 #include "num/round.h"
@@ -53,7 +54,7 @@ cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
     }
     cns_flow *f = calloc(1, sizeof *f);
     if (!f) {
-        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(err);
         return NULL;
     }
     f->spec = *spec;
@@ -70,7 +71,7 @@ cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
     f->x1 = cns_vector_new(f->n, prec);
     f->derivative = cns_vector_new(f->n, prec + CHECK_BITS);
     if (!f->x0 || !f->x1 || !f->derivative) {
-        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(err);
         cns_flow_free(f);
         return NULL;
     }
@@ -209,8 +210,9 @@ cns_code cns_flow_step(cns_flow *f, cns_error *err)
 {
     cns_error inner;
     mpq_t next;
-    if (f->spec.stop && *f->spec.stop)
-        return cns_fail(err, CNS_STOPPED, "stopped");
+    cns_code code = cns_go_on(f->spec.stop, err);
+    if (code)
+        return code;
     mpfr_t *swap = f->x0;
     f->x0 = f->x1;
     f->x1 = swap;
@@ -225,7 +227,7 @@ cns_code cns_flow_step(cns_flow *f, cns_error *err)
     }
     f->last.landed = false;
     f->last.t0 = mpfr_get_d(f->t0, MPFR_RNDN);
-    cns_code code = f->ops->step(f->stepper, &f->last, f->x0, f->x1, &inner);
+    code = f->ops->step(f->stepper, &f->last, f->x0, f->x1, &inner);
     if (!code) {
         if (f->spec.step && !f->last.landed) {
             mpq_set(f->grid, next);

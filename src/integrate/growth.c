@@ -39,7 +39,7 @@ cns_growth *cns_growth_new(const cns_program *p, const double *scales, cns_error
 {
     cns_growth *g = calloc(1, sizeof *g);
     if (!g) {
-        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(err);
         return NULL;
     }
     g->n = cns_program_states(p);
@@ -48,7 +48,7 @@ cns_growth *cns_growth_new(const cns_program *p, const double *scales, cns_error
     mpfr_inits2(TIME_PREC, g->x, g->y, (mpfr_ptr)0);
     mpfr_init2(g->base, TIME_PREC);
     if (!g->index || !g->scale) {
-        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(err);
         cns_growth_free(g);
         return NULL;
     }
@@ -61,7 +61,7 @@ cns_growth *cns_growth_new(const cns_program *p, const double *scales, cns_error
     g->state = calloc((size_t)g->d, sizeof *g->state);
     g->m = calloc(7 * square, sizeof *g->m);
     if (!g->state || !g->m) {
-        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(err);
         cns_growth_free(g);
         return NULL;
     }
@@ -233,7 +233,7 @@ cns_code cns_growth_mark(cns_growth *g, cns_error *err)
     if (!g->origin)
         g->origin = calloc(square * CNS_GROWTH_ORIGINS + 1, sizeof *g->origin);
     if (!g->origin)
-        return cns_fail(err, CNS_NUMERIC, "out of memory");
+        return cns_out_of_memory(err);
     if (g->origins == CNS_GROWTH_ORIGINS || !g->expanded)
         return CNS_OK;
     double *phi = g->origin + (size_t)g->origins * square;

@@ -133,7 +133,7 @@ static cns_code make_room(cns_meetings *s, int coefficients, cns_error *err)
     s->p = cns_vector_new(coefficients, s->prec);
     s->q = cns_vector_new(coefficients, s->prec);
     s->d = cns_vector_new(coefficients, s->prec);
-    return s->p && s->q && s->d ? CNS_OK : cns_fail(err, CNS_NUMERIC, "out of memory");
+    return s->p && s->q && s->d ? CNS_OK : cns_out_of_memory(err);
 }
 
 static void horner(mpfr_t y, mpfr_t *c, int degree, const mpfr_t u)
@@ -255,7 +255,7 @@ static cns_code add(cns_meetings *s, cns_flow *f, int condition, long k, int deg
             s->meeting[i].state = cns_vector_new(s->n_states, s->prec);
             if (s->meeting[i].state == NULL) {
                 s->room = i + 1;
-                return cns_fail(err, CNS_NUMERIC, "out of memory");
+                return cns_out_of_memory(err);
             }
         }
     }

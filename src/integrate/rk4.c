@@ -38,7 +38,7 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
 {
     cns_stepper *s = calloc(1, sizeof *s);
     if (!s) {
-        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(err);
         return NULL;
     }
     s->spec = *spec;
@@ -57,7 +57,7 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
     s->jet = cns_jet_new(&jet, err);
     if (!s->jet || !s->x || !s->y || !s->f0 || !s->f1 || !s->cubic) {
         if (s->jet)
-            cns_fail(err, CNS_NUMERIC, "out of memory");
+            cns_out_of_memory(err);
         destroy(s);
         return NULL;
     }

@@ -197,7 +197,7 @@ static cns_code isolate(mpfr_t from, mpfr_t to, bool *found, bool *decided, mpfr
     if (b)
         vector_free(b, s.degree + 1);
     mpfr_clears(s.noise, s.scratch, s.from, s.to, origin, (mpfr_ptr)0);
-    return failed ? cns_fail(err, CNS_NUMERIC, "out of memory") : CNS_OK;
+    return failed ? cns_out_of_memory(err) : CNS_OK;
 }
 
 /* Newton's method on sum a_k u^k from the middle of [from, to], kept inside by bisection. */
@@ -250,7 +250,7 @@ cns_code cns_first_root(mpfr_t root, bool *found, mpfr_t *p, int degree, const m
     mpfr_t power, from, to, u;
     mpfr_t *a = vector_new(degree + 1, prec);
     if (!a)
-        return cns_fail(err, CNS_NUMERIC, "out of memory");
+        return cns_out_of_memory(err);
     mpfr_inits2(prec, power, u, (mpfr_ptr)0);
     mpfr_inits2(2 * prec + 64, from, to, (mpfr_ptr)0);
     mpfr_set_ui(power, 1, MPFR_RNDN);

@@ -77,23 +77,24 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
     const cns_arith_ops *ops = cns_flow_arith(spec);
     cns_stepper *s = calloc(1, sizeof *s);
     if (!s) {
-        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(err);
         return NULL;
     }
     s->spec = *spec;
     s->n = cns_program_states(spec->program);
     mpfr_inits2(spec->prec, s->tau, s->root, s->sum, s->term, (mpfr_ptr)0);
+    cns_error why = {0};
     if (ops->in_steps) {
-        s->fast = new_jet(s, ops, spec->order, spec->prec + FAST_GUARD_BITS, err);
-        s->scout = new_jet(s, &cns_arith_double, SCOUT_ORDER, 53, err);
+        s->fast = new_jet(s, ops, spec->order, spec->prec + FAST_GUARD_BITS, &why);
         s->jet = s->fast;
     }
-    const bool no_kernel = ops->in_steps && !s->fast && err->code == CNS_USAGE;
-    if (!s->jet && !no_kernel) /* also where the fast one does not fit */
-        s->jet = s->plain = new_jet(s, cns_flow_reference_arith(spec), spec->order, spec->prec, err);
-    if (ops->in_steps && !s->scout)
-        s->jet = NULL;
-    if (!s->jet) {
+    /* Also where the fast one does not fit; not where there is no memory for it, or no such kernel. */
+    if (!s->jet && why.code != CNS_MEMORY && why.code != CNS_USAGE)
+        s->jet = s->plain = new_jet(s, cns_flow_reference_arith(spec), spec->order, spec->prec, &why);
+    if (s->jet && ops->in_steps)
+        s->scout = new_jet(s, &cns_arith_double, SCOUT_ORDER, 53, &why);
+    if (!s->jet || (ops->in_steps && !s->scout)) {
+        cns_fail(err, why.code, "%s", why.text);
         destroy(s);
         return NULL;
     }
@@ -101,7 +102,7 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
     s->watch = cns_vector_new(spec->order + 1, spec->prec);
     s->landed_on = calloc((size_t)cns_jet_watched(s->jet) + 1, sizeof *s->landed_on);
     if (!s->poly || !s->watch || !s->landed_on) {
-        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(err);
         destroy(s);
         return NULL;
     }

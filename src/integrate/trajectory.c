@@ -75,7 +75,7 @@ cns_trajectory *cns_trajectory_new(const cns_trajectory_spec *spec, cns_error *e
 {
     cns_trajectory *t = calloc(1, sizeof *t);
     if (!t) {
-        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(err);
         return NULL;
     }
     t->spec = *spec;

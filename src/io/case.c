@@ -98,7 +98,8 @@ cns_code cns_case_parse(const char *name, const char *text, size_t length, const
         cns_faults_add(&r.faults, root->mark, "a case file is a mapping of keys to values, not %s",
                        cns_yaml_kind_name(root->kind));
     }
-    *report = cns_faults_report(&r.faults, c->name, sets);
+    const bool out_of_memory = r.faults.out_of_memory;
+    *report = out_of_memory ? cns_xcopy("out of memory") : cns_faults_report(&r.faults, c->name, sets);
     cns_faults_clear(&r.faults);
     cns_yaml_free(root);
     if (*report != NULL) {
@@ -106,7 +107,7 @@ cns_code cns_case_parse(const char *name, const char *text, size_t length, const
         c = NULL;
     }
     *result = c;
-    return c != NULL ? CNS_OK : CNS_USAGE;
+    return c != NULL ? CNS_OK : out_of_memory ? CNS_MEMORY : CNS_USAGE;
 }
 
 /* At most CNS_YAML_MAX_BYTES + 1 bytes, so that a huge or endless file is neither read nor held. */
@@ -153,7 +154,7 @@ cns_code cns_case_load(const char *path, const char *const *sets, int n_sets, cn
         snprintf(message, sizeof message, "cannot read %.300s: %s", shown, strerror(cause));
         free(shown);
         *report = cns_xcopy(message);
-        code = CNS_IO;
+        code = cause == ENOMEM ? CNS_MEMORY : CNS_IO;
     } else {
         code = cns_case_parse(standard ? "<stdin>" : path, text, length, sets, n_sets, c, report);
     }

@@ -48,7 +48,9 @@ static bool read_line(cns_table_reader *r, cns_code *code, cns_error *err)
     ssize_t length = getline(&r->line, &r->room, r->file);
     *code = CNS_OK;
     if (length < 0) {
-        if (ferror(r->file))
+        if (errno == ENOMEM)
+            *code = cns_out_of_memory(err);
+        else if (ferror(r->file))
             *code = cns_fail(err, CNS_IO, "cannot read %s: %s", r->shown, strerror(errno));
         return false;
     }
@@ -231,7 +233,8 @@ cns_table_reader *cns_table_reader_open(const char *path, cns_error *err)
     r->rows = (cns_rows){.context = r, .name = name, .next = next, .text = text, .refuse = refuse};
     r->file = standard ? stdin : fopen(path, "r");
     cns_code code = r->file ? read_header(r, err)
-                            : cns_fail(err, CNS_IO, "cannot read %s: %s", r->shown, strerror(errno));
+                            : cns_fail(err, errno == ENOMEM ? CNS_MEMORY : CNS_IO, "cannot read %s: %s",
+                                       r->shown, strerror(errno));
     if (!code)
         return r;
     cns_table_reader_close(r);

@@ -2,50 +2,43 @@
 
 #include <errno.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "core/files.h"
 #include "core/memory.h"
-#include "core/text.h"
 #include "provenance.h"
 
 struct cns_table {
     const cns_case *c;
-    char *path, *aside; /* NULL: standard output */
     FILE *file;
+    cns_file own; /* of a path; not standard output */
     bool begun, gone;
 };
-
-static cns_code failed(cns_table *t, int cause, cns_error *err)
-{
-    char *shown = t->path != NULL ? cns_text_printable(t->path) : cns_xcopy("to standard output");
-    t->gone = t->path == NULL && cause == EPIPE;
-    const cns_code code =
-        cns_fail(err, t->gone ? CNS_STOPPED : CNS_IO, "cannot write %s: %s", shown, strerror(cause));
-    free(shown);
-    return code;
-}
 
 cns_table *cns_table_open(const char *path, const cns_case *c, cns_error *err)
 {
     cns_table *t = cns_xalloc(1, sizeof *t);
     t->c = c;
-    t->path = path != NULL ? cns_xcopy(path) : NULL;
-    t->file = path != NULL ? cns_file_create(path, &t->aside) : stdout;
-    if (t->file != NULL)
+    t->file = stdout;
+    if (!path)
         return t;
-    failed(t, errno, err);
-    free(t->path);
-    free(t);
-    return NULL;
+    if (cns_file_create(&t->own, path, err)) {
+        free(t);
+        return NULL;
+    }
+    t->file = t->own.stream;
+    return t;
 }
 
 static cns_code flush(cns_table *t, cns_error *err)
 {
     errno = 0;
-    if (fflush(t->file) != 0 || ferror(t->file))
-        return failed(t, errno ? errno : EIO, err);
-    return CNS_OK;
+    if (fflush(t->file) == 0 && !ferror(t->file))
+        return CNS_OK;
+    const int cause = errno ? errno : EIO;
+    t->gone = !t->own.path && cause == EPIPE;
+    if (t->gone)
+        return cns_fail(err, CNS_STOPPED, "the reader of standard output has gone");
+    return cns_file_failed("write", t->own.path ? t->own.path : "to standard output", cause, err);
 }
 
 static void print_numerics(FILE *out, const cns_case *c, long digits, mpfr_prec_t prec, int order)
@@ -104,26 +97,21 @@ cns_code cns_table_row(cns_table *t, const cns_row *row, cns_error *err)
     return flush(t, err);
 }
 
-/* Closes the file, which is kept only if `code` is no failure, and frees the table. */
-static cns_code end(cns_table *t, cns_code code, cns_error *err)
-{
-    const int cause = t->path != NULL ? cns_file_finish(t->file, t->path, t->aside, !code) : 0;
-    if (cause != 0)
-        code = failed(t, cause, err);
-    free(t->path);
-    free(t);
-    return code;
-}
-
 cns_code cns_table_close(cns_table *t, const char *reason, cns_error *err)
 {
     cns_provenance_end(t->file, reason);
-    return end(t, flush(t, err), err);
+    cns_code code = flush(t, err), closed = CNS_OK;
+    if (t->own.path)
+        closed = cns_file_close(&t->own, !code, err);
+    free(t);
+    return code ? code : closed;
 }
 
 void cns_table_abandon(cns_table *t)
 {
-    end(t, CNS_IO, NULL);
+    if (t->own.path)
+        cns_file_close(&t->own, false, NULL);
+    free(t);
 }
 
 bool cns_table_reader_gone(const cns_table *t)

@@ -201,15 +201,16 @@ static bool next_event(builder *b, yaml_event_t *event)
     if (yaml_parser_parse(&b->parser, event))
         return true;
     const yaml_parser_t *p = &b->parser;
-    const char *problem = p->problem != NULL ? p->problem : "out of memory";
     cns_mark mark = mark_of(p->problem_mark);
-    if (p->context != NULL && p->context_mark.line != p->problem_mark.line)
-        cns_faults_add(b->faults, mark, "not YAML: %s, %s that began on line %zu", problem, p->context,
+    if (p->error == YAML_MEMORY_ERROR)
+        b->faults->out_of_memory = true;
+    else if (p->context != NULL && p->context_mark.line != p->problem_mark.line)
+        cns_faults_add(b->faults, mark, "not YAML: %s, %s that began on line %zu", p->problem, p->context,
                        p->context_mark.line + 1);
     else if (p->context != NULL)
-        cns_faults_add(b->faults, mark, "not YAML: %s, %s", problem, p->context);
+        cns_faults_add(b->faults, mark, "not YAML: %s, %s", p->problem, p->context);
     else
-        cns_faults_add(b->faults, mark, "not YAML: %s", problem);
+        cns_faults_add(b->faults, mark, "not YAML: %s", p->problem);
     b->stopped = true;
     return false;
 }
@@ -424,7 +425,7 @@ cns_yaml_node *cns_yaml_parse(const char *text, size_t length, cns_faults *f)
         return NULL;
     builder b = {.faults = f};
     if (!yaml_parser_initialize(&b.parser)) {
-        cns_faults_add(f, start, "out of memory");
+        f->out_of_memory = true;
         return NULL;
     }
     yaml_parser_set_input_string(&b.parser, (const unsigned char *)text, length);

@@ -31,6 +31,7 @@ typedef struct cns_fault {
 typedef struct cns_faults {
     size_t count, kept;
     cns_fault *list;
+    bool out_of_memory; /* while reading; no fault of the file */
 } cns_faults;
 
 #if defined(__GNUC__)
@@ -58,7 +59,7 @@ typedef struct cns_yaml_node {
 } cns_yaml_node;
 
 /* The root of the only document, or NULL when the text could not be read to its end (then there is a
- * fault). */
+ * fault, or memory has run out). */
 cns_yaml_node *cns_yaml_parse(const char *text, size_t length, cns_faults *f);
 void cns_yaml_free(cns_yaml_node *node);
 

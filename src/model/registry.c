@@ -31,7 +31,7 @@ cns_code cns_model_program(const cns_model *m, const cns_number *parameters,
     cns_program *p = cns_program_new(m->n_states, m->n_parameters, parameters, options);
     *program = NULL;
     if (!p)
-        return cns_fail(err, CNS_NUMERIC, "out of memory");
+        return cns_out_of_memory(err);
     m->build(p, m);
     cns_code code = cns_program_finish(p, err);
     if (code)

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "cns/version.h"
+#include "core/files.h"
 #include "core/memory.h"
 #include "core/text.h"
 
@@ -227,12 +228,10 @@ int cns_system_guesses(const cns_system *s, cns_model_guess *guesses)
 
 char *cns_system_identity(const cns_system *s, int varied, const char *format, ...)
 {
-    char *text = NULL;
-    size_t size = 0;
+    cns_text_stream text;
     va_list arguments;
-    FILE *out = open_memstream(&text, &size);
-    if (out == NULL)
-        return NULL;
+    cns_text_open(&text);
+    FILE *out = text.file;
     va_start(arguments, format);
     vfprintf(out, format, arguments);
     va_end(arguments);
@@ -244,9 +243,5 @@ char *cns_system_identity(const cns_system *s, int varied, const char *format, .
         fprintf(out, "state %s: %s, scale %a\n", s->model->states[i].name, s->initial[i].text, s->scales[i]);
     fprintf(out, "smooth: %s\n", s->is_smooth ? s->smooth.text : "no");
     cns_program_print(s->program, out);
-    if (fclose(out) != 0) {
-        free(text);
-        return NULL;
-    }
-    return text;
+    return cns_text_close(&text, NULL);
 }

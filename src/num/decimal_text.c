@@ -18,7 +18,7 @@ static char *printed(const char *format, long count, mpfr_srcptr x)
 {
     char *made;
     if (mpfr_asprintf(&made, format, (int)count, x) < 0)
-        abort();
+        cns_memory_give_up(); /* more than INT_MAX characters: nothing else fails in it */
     char *text = cns_xcopy(made);
     mpfr_free_str(made);
     return text;

@@ -31,7 +31,7 @@ cns_code cns_found_add(void *list, const cns_meeting *m, double noise_log2, cns_
     *f = (cns_found){.m = *m, .noise_log2 = noise_log2};
     f->m.state = cns_vector_new(l->n_states, mpfr_get_prec(m->state[0]));
     if (f->m.state == NULL)
-        return cns_fail(err, CNS_NUMERIC, "out of memory");
+        return cns_out_of_memory(err);
     mpfr_init2(f->m.time, mpfr_get_prec(m->time));
     mpfr_set(f->m.time, m->time, MPFR_RNDN);
     for (int i = 0; i < l->n_states; i++)

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/clock.h"
+#include "core/memory.h"
 #include "core/monitor.h"
 #include "cost.h"
 #include "events.h"
@@ -142,8 +143,9 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
     spec.flow.order = DOUBLE_ORDER;
     spec.flow.tolerance_log2 = DOUBLE_TOLERANCE_LOG2;
     *plan = (cns_run_info){.attempt = 1, .planned = true};
-    if (cns_monitor_stopped(p->monitor))
-        return cns_fail(err, CNS_STOPPED, "stopped");
+    cns_code code = cns_go_on(cns_monitor_stop(p->monitor), err);
+    if (code)
+        return code;
 
     cns_trajectory *t = cns_trajectory_new(&spec, err);
     cns_sample s = {0};
@@ -153,7 +155,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         cns_trajectory_free(t);
         cns_sample_clear(&s);
         mpq_clear(time);
-        return t ? cns_fail(err, CNS_NUMERIC, "out of memory") : err->code;
+        return t ? cns_out_of_memory(err) : err->code;
     }
 
     /* Past the time at which double precision is used up, the run follows another trajectory of the same
@@ -163,7 +165,6 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
     double end = cns_number_get_d(p->end), growth = 0, trusted = end;
     double window = end / WINDOWS, window_start = 0, at_start = 0, sum = 0, sum2 = 0;
     int windows = 0;
-    cns_code code = CNS_OK;
     need.growth = cns_trajectory_growth(t);
     for (unsigned long row = 0; !code && cns_row_time(cns_every(p), p->end, row, time); row++) {
         code = cns_trajectory_at(t, time, &s, &failure);
@@ -184,9 +185,10 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         growth = fmax(growth, g);
         add_needs(&need, places_of_row(p, goal, &s), s.error_log2);
     }
-    if (code == CNS_STOPPED) {
-        code = cns_trajectory_late(t) ? cns_fail(err, CNS_UNREACHED, "max_time is used up while planning")
-                                      : cns_fail(err, CNS_STOPPED, "%s", failure.text);
+    if (code == CNS_STOPPED && cns_trajectory_late(t)) {
+        code = cns_fail(err, CNS_UNREACHED, "max_time is used up while planning");
+    } else if (code == CNS_STOPPED || code == CNS_MEMORY) {
+        *err = failure;
     } else {
         /* A preliminary run that failed tells what it could; the run itself will tell why. */
         if (code)
@@ -217,8 +219,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         cns_cost_predict(p, &runs.fine, &runs.coarse, &tally, plan);
         cns_proof_runs_clear(&runs);
         plan->seconds += cns_thread_seconds() - since;
-        if (cns_monitor_stopped(p->monitor)) /* while it measured, which then tells nothing */
-            code = cns_fail(err, CNS_STOPPED, "stopped");
+        code = cns_go_on(cns_monitor_stop(p->monitor), err); /* stopped while it measured, it tells nothing */
     }
     cns_trajectory_free(t);
     cns_sample_clear(&s);

@@ -76,7 +76,7 @@ cns_ahead *cns_ahead_new(const cns_problem *p, const cns_trajectory_spec *spec, 
 {
     cns_ahead *a = calloc(1, sizeof *a);
     if (!a) {
-        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(err);
         return NULL;
     }
     cns_trajectory_spec own = *spec;
@@ -93,7 +93,7 @@ cns_ahead *cns_ahead_new(const cns_problem *p, const cns_trajectory_spec *spec, 
     mpfr_prec_t prec = a->t ? cns_flow_prec(cns_trajectory_flow(a->t)) : 0;
     for (; a->t && a->ready < RING; a->ready++)
         if (!cns_sample_init(&a->ring[a->ready].sample, cns_system_program(p->system), prec)) {
-            cns_fail(err, CNS_NUMERIC, "out of memory");
+            cns_out_of_memory(err);
             break;
         }
     if (a->ready < RING) {

@@ -226,7 +226,7 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
     if (!w->fine)
         return err->code;
     if (!cns_sample_init(&w->s, cns_system_program(p->system), runs->fine.prec))
-        return cns_fail(err, CNS_NUMERIC, "out of memory");
+        return cns_out_of_memory(err);
     if (runs->proof) {
         spec.flow = runs->coarse;
         spec.no_growth = false;

@@ -136,8 +136,9 @@ static void work(gang *g, cns_ensemble_job *job)
 static cns_ensemble_job *take(gang *g)
 {
     pthread_mutex_lock(&g->lock);
-    const bool halt = g->halt || cns_monitor_stopped(g->e->monitor);
-    cns_ensemble_job *job = halt || g->next == g->missing ? NULL : &g->jobs[g->next++];
+    const bool over =
+        g->halt || g->next == g->missing || cns_go_on(cns_monitor_stop(g->e->monitor), NULL) != CNS_OK;
+    cns_ensemble_job *job = over ? NULL : &g->jobs[g->next++];
     pthread_mutex_unlock(&g->lock);
     return job;
 }
@@ -198,7 +199,7 @@ cns_code cns_ensemble_run(const cns_ensemble *e, char **results, cns_error *err)
     for (int i = 0; i < e->n; i++)
         results[i] = NULL;
     if (e->directory != NULL && e->identity == NULL)
-        return cns_fail(err, CNS_NUMERIC, "out of memory");
+        return cns_out_of_memory(err);
     if (e->directory != NULL && cns_directory_make(e->directory, err) != CNS_OK)
         return err->code;
     const size_t n = (size_t)e->n;

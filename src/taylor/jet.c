@@ -24,7 +24,7 @@ static cns_code compute_constants(cns_jet *J, cns_error *err)
     J->A = cns_arith_mpfr.create(&spec, err);
     J->series = malloc(((size_t)J->p->n_nodes + 1) * sizeof *J->series);
     if (!J->A || !J->series) {
-        code = cns_fail(err, CNS_NUMERIC, "out of memory");
+        code = cns_out_of_memory(err);
     } else {
         mpfr_set_prec(J->x, prec);
         J->ops = &cns_arith_mpfr;
@@ -71,7 +71,7 @@ cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err)
     size_t n = (size_t)p->n_nodes + 1;
     cns_jet *J = calloc(1, sizeof *J);
     if (!J) {
-        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(err);
         return NULL;
     }
     J->spec = *spec;
@@ -95,7 +95,7 @@ cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err)
     if (!J->series || !J->plan || !J->state_series || !J->sign || !J->held || !J->vanishes ||
         !J->constant_zero || !J->at_zero || !J->state_vanishes || !J->state_known || !J->val || !J->known ||
         !J->recorder || !J->traced_for) {
-        cns_fail(err, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(err);
         cns_jet_free(J);
         return NULL;
     }

@@ -14,7 +14,7 @@ static void *grow(cns_program *p, void *array, int count, int *capacity, size_t 
     void *larger = realloc(array, (size_t)wanted * size);
     if (!larger) {
         if (!p->error.code)
-            cns_fail(&p->error, CNS_NUMERIC, "out of memory");
+            cns_out_of_memory(&p->error);
         return NULL;
     }
     *capacity = wanted;
@@ -90,7 +90,7 @@ static bool rehash(cns_program *p)
     int size = 2 * p->hash_size;
     int *table = calloc((size_t)size, sizeof *table);
     if (!table) {
-        cns_fail(&p->error, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(&p->error);
         return false;
     }
     for (int i = 0; i < p->n_nodes; i++) {

@@ -73,7 +73,7 @@ static void fold(cns_program *p)
 {
     bool *stored = calloc((size_t)p->n_nodes + 1, sizeof *stored);
     if (!stored) {
-        cns_fail(&p->error, CNS_NUMERIC, "out of memory");
+        cns_out_of_memory(&p->error);
         return;
     }
     for (int i = 0; i < p->n_states; i++)
@@ -126,7 +126,7 @@ cns_code cns_program_finish(cns_program *p, cns_error *err)
     if (!p->error.code && !p->finished) {
         mark_needed(p);
         if (!mark_dynamic(p) || !find_watched(p))
-            cns_fail(&p->error, CNS_NUMERIC, "out of memory");
+            cns_out_of_memory(&p->error);
         else
             fold(p);
         p->finished = true;

@@ -123,7 +123,7 @@ cns_code cns_tangent_program(const cns_program *p, int directions, cns_program *
             code = cns_program_finish(q, err);
     }
     if (!q)
-        code = cns_fail(err, CNS_NUMERIC, "out of memory");
+        code = cns_out_of_memory(err);
     free(index);
     free(state);
     free(component);

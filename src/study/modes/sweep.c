@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/files.h"
 #include "core/memory.h"
 #include "core/monitor.h"
 #include "core/text.h"
@@ -185,31 +186,23 @@ static cns_code run(void *context, int i, cns_ensemble_job *job, char **result, 
     const jobs *j = context;
     cns_motion motion;
     cns_number x;
-    char *text = NULL;
-    size_t size = 0;
     cns_number_init(&x);
     value_at(j->sweep, i, &x);
     cns_code code = classify(j, &x, &motion, err);
     cns_ensemble_tell(job, 1);
-    FILE *out = open_memstream(&text, &size);
-    if (out == NULL)
-        code = cns_fail(err, CNS_NUMERIC, "out of memory");
-    if (out != NULL && (!code || code == CNS_NUMERIC || code == CNS_UNREACHED)) {
-        fprintf(out, "%s,", x.text);
+    if (!code || code == CNS_NUMERIC || code == CNS_UNREACHED) {
+        cns_text_stream row;
+        cns_text_open(&row);
+        fprintf(row.file, "%s,", x.text);
         if (code) {
-            fputs("failed,,,,,,,,,,", out);
-            print_note(out, err->text);
+            fputs("failed,,,,,,,,,,", row.file);
+            print_note(row.file, err->text);
         } else {
-            print_row(out, &motion);
+            print_row(row.file, &motion);
         }
-        code = CNS_OK;
+        *result = cns_text_close(&row, err);
+        code = *result != NULL ? CNS_OK : err->code;
     }
-    if (out != NULL)
-        fclose(out);
-    if (!code)
-        *result = text;
-    else
-        free(text);
     cns_motion_clear(&motion);
     cns_number_clear(&x);
     return code;

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/files.h"
 #include "core/memory.h"
 #include "core/monitor.h"
 #include "integrate/numerics.h"
@@ -156,7 +157,7 @@ cns_code cns_laws(const cns_problem *problem, const cns_laws_spec *spec, const c
     l.identity =
         cns_system_identity(l.system, -1, "laws, end %s, every %s, delta %s, observable %d",
                             problem->end->text, cns_every(problem)->text, spec->delta.text, spec->observable);
-    code = add_jobs(&l, err);
+    code = l.identity != NULL ? add_jobs(&l, err) : cns_out_of_memory(err);
     char **results = cns_xalloc((size_t)l.jobs, sizeof *results);
     l.listed = cns_xalloc((size_t)l.jobs, sizeof *l.listed);
     for (int extension = 0; !code; extension++) {

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/files.h"
 #include "core/memory.h"
 #include "core/monitor.h"
 #include "integrate/rows.h"
@@ -90,11 +91,7 @@ static cns_code reference_run(void *context, int number, cns_ensemble_job *told,
 {
     cns_laws_work *l = context;
     (void)number;
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (!out)
-        return cns_fail(err, CNS_NUMERIC, "out of memory");
+    cns_text_stream lines;
     cns_falling precision;
     cns_falling_init(&precision, l->ref.digits);
     cns_trajectory_spec spec = {.flow = cns_laws_taylor(l, l->system, l->ref.digits, 0),
@@ -106,9 +103,11 @@ static cns_code reference_run(void *context, int number, cns_ensemble_job *told,
     cns_code code = !t ? err->code
                     : cns_sample_init(&s, cns_system_program(l->system), CNS_LAWS_KEPT_BITS)
                         ? CNS_OK
-                        : cns_fail(err, CNS_NUMERIC, "out of memory");
+                        : cns_out_of_memory(err);
     mpq_t time;
     mpq_init(time);
+    cns_text_open(&lines);
+    FILE *out = lines.file;
     const int last = cns_laws_last_row(l);
     for (int row = 0; !code && row <= last; row++) {
         cns_laws_row_time(l, row, time);
@@ -127,13 +126,12 @@ static cns_code reference_run(void *context, int number, cns_ensemble_job *told,
     mpq_clear(time);
     cns_trajectory_free(t);
     cns_sample_clear(&s);
-    if (fclose(out) != 0 && !code)
-        code = cns_fail(err, CNS_NUMERIC, "out of memory");
-    if (code)
-        free(text);
-    else
+    char *text = cns_text_close(&lines, code ? NULL : err);
+    if (!code && text)
         *result = text;
-    return code;
+    else
+        free(text);
+    return code || text ? code : err->code;
 }
 
 static cns_code reference_read(cns_laws_work *l, const char *text, cns_error *err)
@@ -146,7 +144,7 @@ static cns_code reference_read(cns_laws_work *l, const char *text, cns_error *er
     r->error = cns_xalloc((size_t)rows, sizeof *r->error);
     r->state = cns_vector_new(rows * l->n, CNS_LAWS_KEPT_BITS);
     if (!r->state)
-        return cns_fail(err, CNS_NUMERIC, "out of memory");
+        return cns_out_of_memory(err);
     r->rows = rows;
     char *at = (char *)(size_t)text; /* only read: strtod's and MPFR's ends are not const */
     for (int row = 0; row < rows; row++) {

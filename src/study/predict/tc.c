@@ -91,7 +91,7 @@ static cns_code walk_init(walk *w, const cns_tc_pair *pair, int n, cns_error *er
         return err->code;
     if (!cns_sample_init(&w->u1, pair->test->flow.program, cns_flow_prec(cns_trajectory_flow(w->test))) ||
         !cns_sample_init(&w->u2, w->program, cns_flow_prec(cns_trajectory_flow(w->reference))))
-        return cns_fail(err, CNS_NUMERIC, "out of memory");
+        return cns_out_of_memory(err);
     return CNS_OK;
 }
 

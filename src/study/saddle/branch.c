@@ -181,7 +181,7 @@ static cns_code check(const cns_branch *b, const cns_reduced *r, const double *s
     if (J == NULL || x == NULL) {
         cns_jet_free(J);
         cns_vector_free(x, b->d);
-        return cns_fail(err, CNS_NUMERIC, "out of memory");
+        return cns_out_of_memory(err);
     }
     cns_code code = CNS_OK;
     mpfr_inits2(prec, at, slope, f, (mpfr_ptr)0);
@@ -217,8 +217,7 @@ cns_code cns_branch_open(cns_branch *b, const cns_reduced *r, const cns_fixed_po
     *b = (cns_branch){.d = r->d, .order = order < 2 * TESTED ? 2 * TESTED : order, .prec = prec};
     mpfr_inits2(prec, b->lambda, b->s, (mpfr_ptr)0);
     b->p = cns_vector_new(b->d * (b->order + 1), prec);
-    cns_code code =
-        b->p == NULL ? cns_fail(err, CNS_NUMERIC, "out of memory") : begin(b, f, along, scales, err);
+    cns_code code = b->p == NULL ? cns_out_of_memory(err) : begin(b, f, along, scales, err);
     if (!code)
         code = expand(b, r, f, err);
     if (!code) {

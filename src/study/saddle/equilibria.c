@@ -39,8 +39,7 @@ static cns_code locate(find *f, slong prec, cns_error *err)
     f->missing[0] = '\0';
     for (int i = 0; i < f->n && !code; i++) {
         cns_error why;
-        if (cns_monitor_stopped(f->monitor))
-            code = cns_fail(err, CNS_STOPPED, "stopped");
+        code = cns_go_on(cns_monitor_stop(f->monitor), err);
         cns_monitor_tell(f->monitor, (double)i / f->n, f->guess[i].name);
         f->found[i] = !code && !cns_fixed_point_find(&f->reduced, f->start[i], prec, &f->point[i], &why);
         if (!code && !f->found[i])
