@@ -1,6 +1,6 @@
 #include "roots.h"
 
-#include <stdlib.h>
+#include "num/vector.h"
 
 /* Isolation on [0,1] at one precision. */
 typedef struct search {
@@ -15,21 +15,6 @@ typedef struct search {
     mpfr_t from, to; /* the isolating interval, once found */
     bool out_of_memory;
 } search;
-
-static mpfr_t *vector_new(int n, mpfr_prec_t bits)
-{
-    mpfr_t *v = malloc((size_t)n * sizeof *v);
-    for (int i = 0; v && i < n; i++)
-        mpfr_init2(v[i], bits);
-    return v;
-}
-
-static void vector_free(mpfr_t *v, int n)
-{
-    for (int i = 0; v && i < n; i++)
-        mpfr_clear(v[i]);
-    free(v);
-}
 
 /* Sign of x if it exceeds the noise, else 0. */
 static int definite_sign(const search *s, const mpfr_t x)
@@ -84,7 +69,7 @@ static bool visit(search *s, mpfr_t *b, const mpfr_t left, int depth);
 static bool visit_halves(search *s, mpfr_t *b, const mpfr_t left, int depth)
 {
     int n = s->degree;
-    mpfr_t *l = vector_new(n + 1, s->bits);
+    mpfr_t *l = cns_vector_new(n + 1, s->bits);
     if (!l) {
         s->out_of_memory = true;
         return true;
@@ -102,7 +87,7 @@ static bool visit_halves(search *s, mpfr_t *b, const mpfr_t left, int depth)
     }
     bool done = visit(s, l, left, depth + 1) || visit(s, b, middle, depth + 1);
     mpfr_clear(middle);
-    vector_free(l, n + 1);
+    cns_vector_free(l, n + 1);
     return done;
 }
 
@@ -160,7 +145,7 @@ static mpfr_t *bernstein(search *s, mpfr_t *a, int degree)
     mpfr_mul_ui(s->noise, level, n * (n + (unsigned long)s->bits), MPFR_RNDU);
     mpfr_add(s->noise, s->noise, tail, MPFR_RNDU);
 
-    mpfr_t *b = vector_new(s->degree + 1, s->bits);
+    mpfr_t *b = cns_vector_new(s->degree + 1, s->bits);
     if (b) {
         mpfr_set_prec(x, s->bits + 32);
         mpfr_set_ui(x, 1, MPFR_RNDN); /* C(n,k) */
@@ -194,8 +179,7 @@ static cns_code isolate(mpfr_t from, mpfr_t to, bool *found, bool *decided, mpfr
     mpfr_set(from, s.from, MPFR_RNDN);
     mpfr_set(to, s.to, MPFR_RNDN);
     bool failed = !b || s.out_of_memory;
-    if (b)
-        vector_free(b, s.degree + 1);
+    cns_vector_free(b, s.degree + 1);
     mpfr_clears(s.noise, s.scratch, s.from, s.to, origin, (mpfr_ptr)0);
     return failed ? cns_out_of_memory(err) : CNS_OK;
 }
@@ -248,7 +232,7 @@ cns_code cns_first_root(mpfr_t root, bool *found, mpfr_t *p, int degree, const m
     const mpfr_prec_t prec = mpfr_get_prec(root) + 16;
     cns_code code = CNS_OK;
     mpfr_t power, from, to, u;
-    mpfr_t *a = vector_new(degree + 1, prec);
+    mpfr_t *a = cns_vector_new(degree + 1, prec);
     if (!a)
         return cns_out_of_memory(err);
     mpfr_inits2(prec, power, u, (mpfr_ptr)0);
@@ -269,6 +253,6 @@ cns_code cns_first_root(mpfr_t root, bool *found, mpfr_t *p, int degree, const m
         mpfr_mul(root, u, h, MPFR_RNDN);
     }
     mpfr_clears(power, from, to, u, (mpfr_ptr)0);
-    vector_free(a, degree + 1);
+    cns_vector_free(a, degree + 1);
     return code;
 }

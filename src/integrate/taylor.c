@@ -462,7 +462,7 @@ static void choose_accuracy(cns_stepper *s, double t)
     if (prec >= s->prec)
         return;
     s->prec = prec;
-    s->tolerance_log2 = -(double)digits * CNS_LOG2_10;
+    s->tolerance_log2 = cns_digits_to_tolerance(digits);
     s->order_asked = cns_order_for(s->tolerance_log2, s->spec.arithmetic);
     for (int i = 0; i < s->n * (s->spec.order + 1); i++)
         mpfr_set_prec(s->poly[i], prec);

@@ -5,16 +5,12 @@
 
 #include "case_internal.h"
 #include "core/text.h"
+#include "solve/proof.h"
 
 #define TEXT_OF(x)  #x
 #define TEXT_OF2(x) TEXT_OF(x)
 
-enum {
-    LIMIT_DECIMALS = 10000,
-    LIMIT_DIGITS = 100000,
-    LIMIT_ORDER = 100000,
-    LEAST_MAX_DIGITS = 26 /* the second run of a proof has 22 digits fewer, and a few are needed */
-};
+enum { LIMIT_DECIMALS = 10000, LIMIT_DIGITS = 100000, LIMIT_ORDER = 100000 };
 
 static bool asks_decimals(const cns_case *c)
 {
@@ -66,7 +62,7 @@ const cns_key cns_keys[] = {
         .meaning = "right decimals in every value; or:"},
     {"goal.significant", KEY_INTEGER, AT(goal.count), .least = 1, .most = LIMIT_DECIMALS, .printed = asks_significant,
         .meaning = "right significant digits in every value"},
-    {"goal.max_digits", KEY_INTEGER, AT(goal.max_digits), .least = LEAST_MAX_DIGITS, .most = LIMIT_DIGITS,
+    {"goal.max_digits", KEY_INTEGER, AT(goal.max_digits), .least = CNS_LEAST_PROOF_DIGITS, .most = LIMIT_DIGITS,
         .standard = "5000", .meaning = "give up rather than compute with more digits"},
     {"goal.max_time", KEY_NUMBER, AT(goal.max_time), .above = "0", .below = "1e12", .otherwise = "no limit",
         .meaning = "seconds after which to give up"},

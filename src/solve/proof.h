@@ -16,6 +16,8 @@ enum {
      * bits, or 19.3 digits, so that the numbers of both runs differ in their count of limbs, and no constant
      * or intermediate result can happen to be rounded in the same place and to the same side. */
     CNS_ANOTHER_LIMB = 22,
+    /* Of the finer run, so that the coarser one has some, too. */
+    CNS_LEAST_PROOF_DIGITS = CNS_ANOTHER_LIMB + 4,
     /* e is 2^4 = 16 times the larger of difference and noise. If errors shrink by a factor r from the coarser
      * run to the finer, the finer one's error is |fine - coarse| / (r - 1). 22 digits more make r huge; half
      * the step of a Runge-Kutta method of order 4 makes it 16, and less where the method steps blindly over a

@@ -389,7 +389,7 @@ static cns_code conclude(const demand *d, const cns_result *result, cns_error *e
 cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *result, cns_error *err)
 {
     const double since = cns_seconds(), deadline = goal->max_time > 0 ? since + goal->max_time : 0;
-    const long least = CNS_ANOTHER_LIMB + 4, most = goal->max_digits > 0 ? goal->max_digits : LONG_MAX;
+    const long most = goal->max_digits > 0 ? goal->max_digits : LONG_MAX;
     int stuck = 0;
     bool doubted = false;
     long digits[CNS_PLAN_PARTS];
@@ -400,7 +400,7 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
     while (!code) {
         d.raise = result->run.digits < most && result->run.attempt <= RAISES;
         if (result->run.digits > most)
-            result->run.digits = most > least ? most : least;
+            result->run.digits = most > CNS_LEAST_PROOF_DIGITS ? most : CNS_LEAST_PROOF_DIGITS;
         code = attempt(p, &schedule, &d, deadline, result, err);
         if (code == CNS_NUMERIC && !doubted && d.raise) {
             /* Digits lost in the problem itself can look like an error, or like a singularity: ask again with
