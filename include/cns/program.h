@@ -1,4 +1,4 @@
-/* A system of ODEs as a program (tape) of operations on power series.
+/* A system of ODEs as a program of operations on power series.
  *
  * A model builds its right-hand side once, from states, parameters and constants; the engine computes
  * series, tangents and pointwise values from the same program. Nodes are immutable; a builder call whose

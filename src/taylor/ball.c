@@ -32,7 +32,7 @@ cns_code cns_ball_derivatives(const cns_program *p, arb_srcptr x, arb_ptr f, slo
     arb_ptr value = _arb_vec_init(p->n_nodes);
     cns_code code = CNS_OK;
     for (int v = 0; v < p->n_nodes; v++) {
-        const cns_tape_node *n = &p->node[v];
+        const cns_program_node *n = &p->node[v];
         cns_enclosure e = {.p = p, .node = n, .y = value + v, .value = value, .state = x, .prec = prec};
         for (int k = 0; k < 4; k++)
             e.x[k] = n->arg[k] < 0 ? NULL : value + n->arg[k];

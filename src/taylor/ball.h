@@ -5,7 +5,7 @@
 #include "cns/program.h"
 #include "num/flint.h"
 
-/* y encloses x, constants of the case included: the text itself is what is enclosed. */
+/* y encloses the number that the text of x says, exactly. */
 void cns_ball_number(arb_t y, const cns_number *x, slong prec);
 
 /* f[i] encloses d state_i/dt at every point of the box x[0..states-1]. Where an abs() may have either sign,

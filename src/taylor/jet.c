@@ -7,8 +7,8 @@
 #include "arith/trace.h"
 #include "jet_internal.h"
 
-/* From this order on every recurrence makes the same calls, with indices one higher at every order: a root's
- * square is the last to begin, at 2. */
+/* From this order on every recurrence makes the same calls, with indices one higher at every order. The last
+ * call to begin is the square in that of a root, at order 2. */
 enum { FIRST_REPEATED = 3 };
 
 /* Constants are computed once, by the same recurrences, in MPFR with bits to spare; J->x, too, has them then.
@@ -103,7 +103,7 @@ cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err)
     for (int i = 0; i < p->n_states; i++)
         J->state_series[i] = series++;
     for (int v = 0; v < p->n_nodes; v++) {
-        const cns_tape_node *node = &p->node[v];
+        const cns_program_node *node = &p->node[v];
         bool wanted = node->constant || ((node->needed || spec->outputs) && (spec->outputs || !node->folded));
         if (node->op == CNS_OP_STATE) {
             J->series[v] = J->state_series[node->index];
@@ -167,8 +167,9 @@ void cns_jet_set_state(cns_jet *J, int i, const mpfr_t x)
     J->ops->set(J->A, J->state_series[i], 0, x, false);
 }
 
-/* Which quantities vanish identically: the largest set of states that are zero now and whose derivatives
- * vanish if the set does (an invariant line or plane of the system). */
+/* Which nodes vanish identically. States that are exactly zero stay zero if their derivatives vanish as long
+ * as they do: the solution is on an invariant line or plane of the system. Begins with all states that are
+ * zero, and takes those out whose derivative does not vanish, until none is left to take out. */
 static void find_vanishing(cns_jet *J)
 {
     const cns_program *p = J->p;
@@ -225,7 +226,7 @@ static cns_code next_order(cns_jet *J, int k, cns_error *err)
     return code;
 }
 
-/* Has nothing changed that the trace depends on? Keeps what there is now. */
+/* Are the arrays that the trace depends on as they were? Keeps them as they are now. */
 static bool trace_holds(cns_jet *J)
 {
     const size_t nodes = (size_t)J->p->n_nodes, states = (size_t)J->p->n_states;
@@ -293,8 +294,9 @@ static cns_code expand(cns_jet *J, int order, cns_error *err)
     return cns_jet_expand_singular(J, order, err);
 }
 
-/* Where an abs() starts on a zero, its sign shows only at the order of the zero, but its tangent has that
- * sign from order 0 on: another pass, with the signs that the last one found, until they stay. */
+/* Where u is zero at t0, the sign that abs(u) holds is known only when the first coefficient of u that is not
+ * zero is, but the tangent of abs(u) needs it from order 0 on. So there are several passes, each with the
+ * signs that the one before found, until they stay. */
 cns_code cns_jet_expand(cns_jet *J, int order, cns_error *err)
 {
     const size_t bytes = (size_t)J->p->n_nodes * sizeof *J->sign;

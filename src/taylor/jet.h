@@ -2,8 +2,9 @@
  *
  * A jet expands the solution through a given state in tau = (t - t0)/H. It evaluates the program order by
  * order: all operations at order k, then coefficient k+1 of every state from its derivative
- * (A. Jorba, M. Zou, Exp. Math. 14 (2005) 99, section 2). Where an operand of a quotient or root vanishes
- * at t0, each operation runs as far ahead as its operands' leading zeros allow. */
+ * (A. Jorba, M. Zou, Exp. Math. 14 (2005) 99, section 2). Where a divisor or a radicand vanishes at t0, a
+ * coefficient of a result needs higher ones of the operands: then every operation is computed as far as its
+ * operands allow, and states run ahead of each other (jet_singular.c). */
 #ifndef CNS_TAYLOR_JET_H
 #define CNS_TAYLOR_JET_H
 
@@ -16,7 +17,10 @@
 
 typedef struct cns_jet cns_jet;
 
-/* Is the smoothing of p's abs() that sharp at a precision of prec bits? (See cns_jet_spec.) */
+/* Smoothing of abs() changes a solution by some eps^2, and by eps^1.5 at a zero of u that only touches. Where
+ * that is far below 2^-prec the smoothing is sharp: sqrt(u^2 + eps^2) is then expanded as |u|, with its kink,
+ * on which steps end. It could not be told from |u|, and a zero of u that is known to 2^-prec could not be
+ * approached to a distance of eps. False also where p is not smoothed. */
 bool cns_jet_is_sharp(const cns_program *p, mpfr_prec_t prec);
 
 typedef struct cns_jet_spec {
@@ -25,14 +29,12 @@ typedef struct cns_jet_spec {
     int order; /* highest order of the states, >= 1 */
     mpfr_prec_t prec;
     const char *kernel;     /* as in cns_arith_spec */
-    mpfr_prec_t sharp_prec; /* the precision by which smoothing counts as sharp; 0: prec */
-    bool outputs;           /* also compute what only outputs need */
+    mpfr_prec_t sharp_prec; /* the precision that decides whether smoothing is sharp; 0: prec */
+    bool outputs;           /* also compute the nodes that only outputs need */
     int registers;          /* extra series for the caller's use (Runge-Kutta stages) */
 } cns_jet_spec;
 
-/* Smoothing of abs() changes a solution by some eps^2, and by eps^1.5 at a zero that only touches. Where that
- * is far below 2^-sharp_prec, sqrt(u^2 + eps^2) is expanded as |u|, kink and landing and all: it could not be
- * told from it, and a zero of u known to 2^-prec could not be approached to a distance of eps. */
+/* NULL: out of memory, or a constant of the program is not a finite number; err says which. */
 cns_jet *cns_jet_new(const cns_jet_spec *spec, cns_error *err);
 void cns_jet_free(cns_jet *J);
 size_t cns_jet_bytes(const cns_jet *J); /* of memory in its series; NULL: none */
@@ -43,8 +45,8 @@ void cns_jet_begin(cns_jet *J, double H);
 /* The states at t0, each once after cns_jet_begin. */
 void cns_jet_set_state(cns_jet *J, int i, const mpfr_t x);
 
-/* Declares that watched quantity w is zero at t0, where the last arc ended on it: its coefficient 0, which
- * may be rounding noise, does not decide its sign. Holds for this expansion. */
+/* Says that the last step ended on a zero of watched quantity w, so that it is zero at t0: its coefficient 0
+ * may be rounding noise, and does not decide its sign after t0. Holds for this expansion. */
 void cns_jet_set_zero(cns_jet *J, int w);
 
 /* Coefficients 0..order of all states, 1 <= order <= spec.order; from a start with leading zeros up to
@@ -78,20 +80,21 @@ typedef enum cns_watch_kind {
 } cns_watch_kind;
 
 typedef struct cns_watch {
-    int series; /* of the arithmetic: the polynomial whose roots end the arc */
+    int series; /* its series, a polynomial in tau whose roots a step must not pass */
     int order;  /* of that polynomial */
-    int zeros;  /* so many leading coefficients are zero (within rounding): the arc starts on a zero */
-    int state;  /* the state it is, or -1 */
+    int zeros;  /* so many leading coefficients are zero within rounding: the step begins on a zero */
+    int state;  /* if it is a state, which; else -1 */
     cns_watch_kind kind;
     int eps; /* CNS_WATCH_SMOOTH: the series that holds eps */
 } cns_watch;
 
 int cns_jet_watched(const cns_jet *J);
-/* After an expansion. False: the quantity vanishes identically, nothing to watch. */
+/* After an expansion. False: the quantity vanishes identically on this step, and is not to be watched. */
 bool cns_jet_watch(const cns_jet *J, int w, cns_watch *watch);
 
-/* For methods that work on values: the arithmetic, the series of the states (coefficient 1 of which is f
- * after an expansion of order 1 with H = 1) and the registers. */
+/* For methods that need values of the right-hand side f only, and calculate with them themselves: the
+ * arithmetic, the states' series (after an expansion of order 1 with H = 1 their coefficient 1 is f) and the
+ * registers. */
 const cns_arith_ops *cns_jet_ops(const cns_jet *J);
 cns_arith *cns_jet_arith(const cns_jet *J);
 int cns_jet_state_series(const cns_jet *J, int i);

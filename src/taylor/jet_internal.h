@@ -11,32 +11,35 @@ struct cns_jet {
     const cns_arith_ops *ops;
     cns_arith *A;
     int order;   /* of this expansion */
-    int *series; /* per node, -1 if it has none (folded, constant nodes have one) */
-    int *plan;   /* the nodes to compute at each order, in tape order */
+    int *series; /* per node: its series, -1 if it has none; folded nodes have none, constants have one */
+    int *plan;   /* the nodes to compute at each order, one after another */
     int n_plan;
-    int *state_series;
-    int registers_from;
+    int *state_series;   /* per state */
+    int registers_from;  /* the first of the registers' series */
+    bool *constant_zero; /* per node: it is a constant, and zero */
+    bool sharp;          /* smoothed abs() is expanded as |u| (cns_jet_is_sharp) */
 
-    /* Per node, for this expansion. */
-    signed char *sign;   /* ABS and HYPOT on an invariant line: the held sign; 0 while undecided */
-    signed char *held;   /* the same from the pass before: SIGNED needs it from order 0 on */
-    bool sign_late;      /* a SIGNED was computed before its sign was decided */
-    bool *vanishes;      /* identically zero, by the structure of the program and exact zeros of states */
-    bool *at_zero;       /* starts on a zero: coefficient 0 does not count */
-    bool *constant_zero; /* constants that are zero */
-    bool *state_vanishes;
-    int *val;         /* lower bound of the number of leading zeros; exact where a divisor needs it */
-    int *known;       /* how many coefficients are computed; used in the singular case only */
-    int *state_known; /* the same for the states */
-    bool sharp;       /* smoothed abs() is treated as exact */
-    bool singular;    /* leading zeros are in play */
+    /* Of this expansion; per node unless it says otherwise. */
+    bool *vanishes;       /* it is identically zero, as states that are exactly zero make it */
+    bool *state_vanishes; /* per state */
+    bool *at_zero;        /* it is zero at t0, whatever its coefficient 0 says (cns_jet_set_zero) */
+    signed char *sign; /* of an absolute value |u| (or hypot() on an invariant line): the sign of u after t0,
+                          which it holds until u has a zero; 0: not decided yet */
+    signed char *held; /* the same, as the pass before found it: a SIGNED needs it from order 0 on */
+    bool sign_late;    /* in this pass a SIGNED needed a sign that was not decided yet */
 
-    /* The trace of every order from FIRST_REPEATED on; made anew when one of the arrays that decide it
-     * differs. */
+    /* Where a divisor or radicand vanishes at t0 (jet_singular.c). */
+    bool singular;
+    int *val;   /* a lower bound of the number of leading zeros, exact where a divisor needs it; else 0 */
+    int *known; /* how many coefficients are computed */
+    int *state_known; /* per state */
+
+    /* The trace of an order (arith.h), for orders from FIRST_REPEATED on. The recurrences are asked for it
+     * again when one of the arrays has changed by which they decide what to call. */
     cns_arith *recorder;
     cns_trace trace;
-    bool traced;
-    signed char *traced_for; /* sign, held, vanishes and state_vanishes at that time */
+    bool traced;             /* there is one */
+    signed char *traced_for; /* sign, held, vanishes and state_vanishes when it was recorded */
 
     mpfr_t x, y, z; /* scratch, working precision */
 };
@@ -45,15 +48,16 @@ struct cns_jet {
  * the sums and products it stands for. */
 void cns_accumulate(cns_jet *J, int sign, int v, int n);
 
-/* Room beyond the order asked for, where leading zeros let products run ahead of the states. */
+/* So many orders beyond spec.order have room in a series: where there are leading zeros, products need them.
+ */
 enum { CNS_LOOKAHEAD = 4 };
 
 void cns_jet_next_state(cns_jet *J, int i, int k); /* x_{k+1} = H f_k / (k+1) */
 cns_code cns_jet_expand_singular(cns_jet *J, int order, cns_error *err);
 bool cns_jet_lies_on_kinks(cns_jet *J); /* at order 0; marks them in at_zero */
 
-/* What an operation has to watch: the node in whose zeros w is not analytic, and for CNS_WATCH_SMOOTH the
- * node eps. */
+/* What an operation has to watch: the node in whose zeros its result is not analytic, and for
+ * CNS_WATCH_SMOOTH the node eps. */
 typedef struct cns_watched {
     int node;
     cns_watch_kind kind;

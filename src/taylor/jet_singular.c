@@ -1,16 +1,19 @@
-/* Expansions from a point where something that divides, or lies under a root, vanishes.
+/* Expansions from a point t0 where a divisor or a radicand vanishes, as in a release from rest.
  *
- * Every node is computed as far as its operands allow; leading zeros become known on the way, and a quotient
- * whose divisor's first non-zero coefficient is not known yet waits, assumed finite: what it multiplies must
- * vanish to the order that makes the sum known without it, or the expansion gets stuck and fails. States run
- * ahead of each other as far as they can. */
+ * A coefficient of a quotient a/b with m leading zeros in b needs a coefficient of a that is m orders higher.
+ * So nodes are not computed order by order, but each as far as its operands allow, again and again, and each
+ * state as far as its derivative allows, until nothing becomes known any more. Leading zeros are counted on
+ * the way. A quotient waits until its divisor's first coefficient that is not zero is known. It is taken to
+ * be finite; a product of it with something that has leading zeros is known that many orders further than the
+ * quotient itself, which is how states get ahead of it. Where they cannot, the expansion gets stuck, and
+ * fails. */
 #include <limits.h>
 
 #include "jet_internal.h"
 
 enum {
-    FAR = INT_MAX / 4, /* coefficients known of what is known altogether */
-    NEVER = -FAR       /* of an output that has no value here, where the solution has one */
+    FAR = INT_MAX / 4, /* `known` of a series of which all coefficients are known */
+    NEVER = -FAR       /* `known` of what has no value at t0; only outputs may need it */
 };
 
 static void begin(cns_jet *J, int room)
@@ -26,7 +29,7 @@ static void begin(cns_jet *J, int room)
         J->state_known[i] = 1;
 }
 
-/* The coefficients of node v up to `count` of them, the leading zeros among them counted. */
+/* Computes node v until `count` of its coefficients are known, and counts its leading zeros. */
 static cns_code compute(cns_jet *J, int v, int count, bool *progress, cns_error *err)
 {
     const cns_operation *op = cns_operation_of(J, v);
@@ -51,7 +54,7 @@ static cns_code compute(cns_jet *J, int v, int count, bool *progress, cns_error 
 
 static cns_code advance_node(cns_jet *J, int v, int room, bool *progress, cns_error *err)
 {
-    const cns_tape_node *n = &J->p->node[v];
+    const cns_program_node *n = &J->p->node[v];
     const cns_operation *op = cns_operations[n->op];
     if (n->constant || J->vanishes[v] || (!n->needed && !J->spec.outputs) || J->known[v] < 0)
         return CNS_OK;
@@ -75,7 +78,7 @@ static cns_code advance_node(cns_jet *J, int v, int room, bool *progress, cns_er
     return CNS_OK;
 }
 
-/* Returns how many coefficients are known of all states. */
+/* Returns the number of coefficients that are known of every state. */
 static int advance_states(cns_jet *J, int order, bool *progress)
 {
     const cns_program *p = J->p;
@@ -109,7 +112,8 @@ cns_code cns_jet_expand_singular(cns_jet *J, int order, cns_error *err)
         }
         least = advance_states(J, order, &progress);
     }
-    for (int v = 0; v < p->n_nodes && J->spec.outputs; v++) /* what is made of a singular quantity */
+    for (int v = 0; v < p->n_nodes && J->spec.outputs;
+         v++) /* nor has what is made of something without a value */
         for (int k = 0; k < 4; k++)
             if (p->node[v].arg[k] >= 0 && J->known[p->node[v].arg[k]] < 1 && !J->vanishes[v])
                 J->known[v] = NEVER;

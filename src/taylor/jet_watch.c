@@ -1,4 +1,4 @@
-/* Zeros that steps have to watch. */
+/* Watched quantities: those in whose zeros the solution is not analytic. */
 #include "jet_internal.h"
 
 static cns_watched watched_by(const cns_jet *J, int w)
@@ -36,7 +36,7 @@ bool cns_jet_watch(const cns_jet *J, int w, cns_watch *watch)
 {
     const cns_watched watched = watched_by(J, w);
     const int v = watched.node, held = J->p->watch[w];
-    const cns_tape_node *n = &J->p->node[v];
+    const cns_program_node *n = &J->p->node[v];
     if (J->vanishes[v])
         return false;
     watch->series = J->series[v];
@@ -48,7 +48,7 @@ bool cns_jet_watch(const cns_jet *J, int w, cns_watch *watch)
                                        : J->order - 1;
     watch->zeros = 0;
     if (watch->kind == CNS_WATCH_KINK) {
-        /* The coefficients that did not decide the sign are zero within rounding. */
+        /* Coefficients of |u| before the one that decided the sign were stored as zero (root.c). */
         if (!J->sign[held])
             return false;
         while (watch->zeros < watch->order && cns_is_zero(J, J->series[held], watch->zeros))

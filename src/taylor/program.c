@@ -77,7 +77,7 @@ void cns_program_free(cns_program *p)
     free(p);
 }
 
-static unsigned node_hash(const cns_tape_node *n)
+static unsigned node_hash(const cns_program_node *n)
 {
     unsigned h = 2166136261u ^ (unsigned)n->op;
     for (int i = 0; i < 4; i++)
@@ -105,11 +105,10 @@ static bool rehash(cns_program *p)
     return true;
 }
 
-/* The node with this operation and these operands, an earlier one if there is one. */
 cns_node cns_intern(cns_program *p, cns_op op, int index, int a, int b, int c, int d)
 {
     int arg[4] = {a, b, c, d};
-    cns_tape_node n = {.op = op, .index = index, .constant = true};
+    cns_program_node n = {.op = op, .index = index, .constant = true};
     if (p->error.code)
         return -1;
     if (p->finished) {
@@ -131,11 +130,11 @@ cns_node cns_intern(cns_program *p, cns_op op, int index, int a, int b, int c, i
         n.constant = false;
     unsigned mask = (unsigned)(p->hash_size - 1), h = node_hash(&n) & mask;
     for (; p->hash[h]; h = (h + 1) & mask) {
-        const cns_tape_node *m = &p->node[p->hash[h] - 1];
+        const cns_program_node *m = &p->node[p->hash[h] - 1];
         if (m->op == n.op && m->index == n.index && !memcmp(m->arg, n.arg, sizeof n.arg))
             return p->hash[h] - 1;
     }
-    cns_tape_node *array = grow(p, p->node, p->n_nodes, &p->nodes_capacity, sizeof *p->node);
+    cns_program_node *array = grow(p, p->node, p->n_nodes, &p->nodes_capacity, sizeof *p->node);
     if (!array)
         return -1;
     p->node = array;
@@ -232,7 +231,7 @@ cns_node cns_mul(cns_program *p, cns_node a, cns_node b)
         return cns_intern(p, CNS_OP_SCALE, 0, a, b, -1, -1);
     if (cb && !ca)
         return cns_intern(p, CNS_OP_SCALE, 0, b, a, -1, -1);
-    /* |u| u is the held sign times u^2: half a product. */
+    /* |u| u is the held sign times u^2: a square is half the work of a product. */
     if (is_abs_of(p, a, b))
         return cns_signed(p, a, cns_sqr(p, b));
     if (is_abs_of(p, b, a))
@@ -254,7 +253,7 @@ cns_node cns_div(cns_program *p, cns_node a, cns_node b)
 
 cns_node cns_sqrt(cns_program *p, cns_node a)
 {
-    if (a >= 0 && a < p->n_nodes && p->node[a].op == CNS_OP_SQR) /* sqrt(u^2) is |u|, kink and all */
+    if (a >= 0 && a < p->n_nodes && p->node[a].op == CNS_OP_SQR) /* sqrt(u^2) is |u|, with its kink */
         return cns_intern(p, CNS_OP_ABS, 0, p->node[a].arg[0], -1, -1, -1);
     return cns_intern(p, CNS_OP_SQRT, 0, a, -1, -1, -1);
 }
@@ -310,7 +309,7 @@ cns_node cns_abs(cns_program *p, cns_node a)
 {
     if (!p->is_smooth || is_constant(p, a))
         return cns_intern(p, CNS_OP_ABS, 0, a, -1, -1, -1);
-    /* eps is the number kept by the program: constant index -1. */
+    /* eps is p->smooth: the constant of index -1. */
     cns_node eps = cns_intern(p, CNS_OP_CONSTANT, -1, -1, -1, -1, -1);
     return cns_intern(p, CNS_OP_SMOOTH_ABS, 0, cns_add(p, cns_sqr(p, a), cns_sqr(p, eps)), a, eps, -1);
 }
@@ -349,7 +348,7 @@ int cns_output(cns_program *p, cns_node f)
 void cns_program_print(const cns_program *p, FILE *out)
 {
     for (int v = 0; v < p->n_nodes; v++) {
-        const cns_tape_node *n = &p->node[v];
+        const cns_program_node *n = &p->node[v];
         fprintf(out, "%%%d = %s", v, cns_operations[n->op]->name);
         if (n->op == CNS_OP_STATE || n->op == CNS_OP_PARAMETER)
             fprintf(out, " %d", n->index);

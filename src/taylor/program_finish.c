@@ -19,7 +19,7 @@ static void mark_needed(cns_program *p)
             p->node[v + 1].needed = true;
 }
 
-/* The states that node f is made of. */
+/* Which states node f is made of. */
 static void states_of(const cns_program *p, cns_node f, bool *seen, bool *states)
 {
     memset(seen, 0, (size_t)p->n_nodes * sizeof *seen);
@@ -27,7 +27,7 @@ static void states_of(const cns_program *p, cns_node f, bool *seen, bool *states
     seen[f] = true;
     for (int v = f; v >= 0; v--)
         if (seen[v]) {
-            const cns_tape_node *n = &p->node[v];
+            const cns_program_node *n = &p->node[v];
             if (n->op == CNS_OP_STATE)
                 states[n->index] = true;
             for (int k = 0; k < 4; k++)
@@ -36,7 +36,7 @@ static void states_of(const cns_program *p, cns_node f, bool *seen, bool *states
         }
 }
 
-/* A state is passive when only passive states, and not itself, feed on it. */
+/* A state is passive when it appears in derivatives of passive states only, and not in its own. */
 static bool mark_dynamic(cns_program *p)
 {
     int n = p->n_states;
@@ -67,8 +67,9 @@ static bool mark_dynamic(cns_program *p)
     return true;
 }
 
-/* Sums and products with one user, which only accumulates them, are folded into it; and a constant
- * factor of a whole derivative is left to the step from f to the next coefficient of the state. */
+/* Folds sums and products whose one user only adds them to its accumulator. And where a derivative is a
+ * constant times something, takes the constant c off as its factor: x_{k+1} = (c H/(k+1)) * (coefficient k of
+ * something) is one multiplication instead of two. */
 static void fold(cns_program *p)
 {
     bool *stored = calloc((size_t)p->n_nodes + 1, sizeof *stored);
@@ -89,15 +90,15 @@ static void fold(cns_program *p)
                     stored[a] = true;
             }
     for (int v = 0; v < p->n_nodes; v++) {
-        cns_tape_node *n = &p->node[v];
+        cns_program_node *n = &p->node[v];
         const bool may =
             cns_operations[n->op]->accumulate && !(n->op == CNS_OP_SCALE && p->node[n->arg[1]].folded);
         n->folded = may && !n->constant && n->needed && n->uses == 1 && !stored[v];
     }
     for (int i = 0; i < p->n_states; i++) {
-        cns_tape_node *n = &p->node[p->derivative[i]];
+        cns_program_node *n = &p->node[p->derivative[i]];
         if (n->op == CNS_OP_SCALE && !n->constant && n->uses == 1) {
-            n->folded = true; /* nobody computes it: the derivative is taken from its operand */
+            n->folded = true; /* nobody computes it, only its operand */
             p->factor[i] = n->arg[0];
             p->derivative[i] = n->arg[1];
         }
@@ -111,7 +112,7 @@ static bool find_watched(cns_program *p)
     if (!p->watch)
         return false;
     for (int v = 0; v < p->n_nodes; v++) {
-        const cns_tape_node *n = &p->node[v];
+        const cns_program_node *n = &p->node[v];
         if (n->needed && !n->constant && cns_operations[n->op]->watch)
             p->watch[p->n_watch++] = v;
     }

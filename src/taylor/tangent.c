@@ -54,7 +54,7 @@ static void mark_wanted(const cns_program *p, const int *index, int dims, bool *
  * again the next node. */
 static cns_node copy(cns_program *q, const cns_program *p, int v, const cns_node *map, const int *state)
 {
-    const cns_tape_node *n = &p->node[v];
+    const cns_program_node *n = &p->node[v];
     cns_node x[4];
     if (n->op == CNS_OP_STATE)
         return cns_state(q, state[n->index]);
@@ -70,7 +70,7 @@ static void derive(cns_program *q, const cns_program *p, const bool *wanted, con
                    const int *component, cns_node *derivative)
 {
     for (int v = 0; v < p->n_nodes; v++) {
-        const cns_tape_node *n = &p->node[v];
+        const cns_program_node *n = &p->node[v];
         cns_direction d = {.q = q, .node = n, .w = map[v], .component = component};
         for (int k = 0; k < 4; k++) {
             d.x[k] = n->arg[k] < 0 ? -1 : map[n->arg[k]];
@@ -80,7 +80,7 @@ static void derive(cns_program *q, const cns_program *p, const bool *wanted, con
     }
 }
 
-/* f of state i as p computes it: the derivative node with the factor that fold() took off. */
+/* f times the factor that cns_program_finish() has taken off the derivative of state i. */
 static cns_node with_factor(cns_program *q, const cns_program *p, int i, const cns_node *map, cns_node f)
 {
     return p->factor[i] < 0 || f < 0 ? f : cns_mul(q, map[p->factor[i]], f);

@@ -6,8 +6,8 @@
 
 /* A new finished program for the dynamic states of p and `directions` tangent vectors along with them.
  * With d dynamic states, its states are: the d dynamic states in p's order, then the d components of the
- * first tangent vector, and so on. An abs() contributes its held sign: the field is continuous there and
- * tangents need no jump (the saltation matrix of a C1 field is the identity). */
+ * first tangent vector, and so on. An abs() contributes the sign that it holds. Tangents do not jump where it
+ * changes, as the right-hand side is continuous there (the saltation matrix is the identity). */
 cns_code cns_tangent_program(const cns_program *p, int directions, cns_program **tangent, cns_error *err);
 
 /* The number of dynamic states, and which they are: index[0..d-1]. */

@@ -6,8 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define GRAIN 4 /* block exponents are multiples of it: products then often have the same, and share lanes   \
-                 */
+#define GRAIN                                                                                                \
+    4 /* block exponents are multiples of it: products then often have the same, and share lanes             \
+       */
 #define RANGE  (1L << 16) /* block exponents are between -RANGE and RANGE; a multiple of GRAIN */
 #define MARGIN 2          /* bits by which a block exponent is above the largest coefficient seen */
 

@@ -17,7 +17,7 @@ static cns_code set_number(cns_jet *J, int v, const cns_number *x)
 
 /* constant: number `index` of the program's constants; -1: eps of its smoothed absolute values. */
 
-static const cns_number *constant_of(const cns_program *p, const cns_tape_node *n)
+static const cns_number *constant_of(const cns_program *p, const cns_program_node *n)
 {
     return n->index < 0 ? &p->smooth : &p->constants[n->index];
 }

@@ -19,12 +19,12 @@ typedef enum cns_op {
     CNS_OP_COUNT
 } cns_op;
 
-struct cns_jet;       /* jet_internal.h */
-struct cns_direction; /* rules.h, as the next two */
-struct cns_enclosure;
+struct cns_jet; /* jet_internal.h */
 struct cns_watched;
+struct cns_direction; /* rules.h */
+struct cns_enclosure;
 
-/* The result is w, node v; its operands are nodes, too. */
+/* An operation by its rules. w is its result, node v of a program; its operands are other nodes. */
 typedef struct cns_operation {
     const char *name;
     int operands;
@@ -40,8 +40,9 @@ typedef struct cns_operation {
     /* Is w identically zero because operands are (J->vanishes)? */
     bool (*vanishes)(const struct cns_jet *J, int v);
 
-    /* What to watch where w is not analytic in a zero of something real; NULL: it is, as is a quotient that
-     * grows without bound before its pole, where steps become small by themselves. */
+    /* The node in whose zeros w has a value but is not analytic, as |u| in the zeros of u: no step may pass
+     * one. NULL: there is none. A pole is not of this kind: before it coefficients grow, and steps become
+     * small by themselves. */
     struct cns_watched (*watch)(const struct cns_jet *J, int v);
 
     /* The derivative of w along a direction as a node of another program, -1 standing for zero. */
@@ -50,15 +51,16 @@ typedef struct cns_operation {
     /* Encloses w where the operands are in given balls. */
     void (*enclose)(const struct cns_enclosure *e);
 
-    /* Of a sum or product of few terms, which need not be stored for its own sake ("folded"): adds
-     * sign * (coefficient n of w) to the accumulator, and gives a lower bound of its leading zeros, J->val
-     * being that of its operands. NULL: w is always stored. */
+    /* Where w is a sum or a product and has one user, which only adds it to its own accumulator, it need not
+     * be stored: it is folded into its user. accumulate adds sign * (coefficient n of w) to the accumulator;
+     * zeros is a lower bound of the number of its leading zeros, J->val being those of its operands. NULL: w
+     * is always stored. */
     void (*accumulate)(struct cns_jet *J, int sign, int v, int n);
     int (*zeros)(const struct cns_jet *J, int v);
-    /* Bit k: operand k is only ever added to the accumulator, so that it may be folded into w. */
+    /* Bit k: w only adds its operand k to the accumulator, so that the operand may be folded into w. */
     unsigned adds;
 
-    /* The node after w is made together with it and belongs to it: its recurrence and w's take turns. */
+    /* The node after w belongs to it, and each of their recurrences needs the other's coefficients so far. */
     bool has_companion;
 } cns_operation;
 

@@ -12,7 +12,7 @@
 /* A derivative: along one direction, of node w of the new program, which is the copy of `node`. */
 typedef struct cns_direction {
     cns_program *q; /* the new program */
-    const cns_tape_node *node;
+    const cns_program_node *node;
     cns_node w;
     cns_node x[4], dx[4]; /* the operands' copies and derivatives, -1 where there is none, or zero */
     const int *component; /* per state of the old program: the state of q that is its part of the tangent */
@@ -27,7 +27,7 @@ cns_node cns_over(const cns_direction *d, cns_node da, cns_node b);  /* b is a n
 /* An enclosure: ball y is to hold the result of `node` for all values of its operands within their balls. */
 typedef struct cns_enclosure {
     const cns_program *p;
-    const cns_tape_node *node;
+    const cns_program_node *node;
     arb_ptr y;
     arb_srcptr x[4];         /* of the operands */
     arb_srcptr value, state; /* of all nodes before, and of the states */
