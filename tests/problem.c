@@ -152,6 +152,14 @@ cns_flow *flow_started(const cns_flow_spec *spec, const char *const *initial)
     return f;
 }
 
+cns_goal goal_of(cns_places places, long count, long max_digits)
+{
+    const bool significant = places == CNS_PLACES_SIGNIFICANT;
+    return (cns_goal){.decimals = significant ? 0 : count,
+                      .significant = significant ? count : 0,
+                      .max_digits = max_digits};
+}
+
 cns_code try_flow_to(cns_flow *f, const char *t, mpfr_t *x, cns_error *err)
 {
     cns_number *time = numbers_new(1, &t);

@@ -7,6 +7,7 @@
 #include "cns/flow.h"
 #include "cns/model.h"
 #include "cns/program.h"
+#include "cns/solve.h"
 #include "cns/system.h"
 #include "support.h"
 #include "taylor/jet.h"
@@ -45,6 +46,9 @@ cns_jet *jet_new(const cns_program *p, const cns_arith_ops *ops, int order, mpfr
 cns_flow_spec taylor_spec(const cns_program *p, long digits);
 cns_flow *flow_new(const cns_flow_spec *spec);
 cns_flow *flow_started(const cns_flow_spec *spec, const char *const *initial);
+
+/* So many decimals, or significant digits. */
+cns_goal goal_of(cns_places places, long count, long max_digits);
 
 /* Steps until time t is reached; x gets the states there. */
 cns_code try_flow_to(cns_flow *f, const char *t, mpfr_t *x, cns_error *err);

@@ -1,4 +1,5 @@
 /* Case files: what is read, what is refused and with which words, and that nothing can hurt. */
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -94,8 +95,8 @@ START_TEST(reads_a_goal)
     ck_assert_str_eq(c->every.text, "1/3");
     ck_assert(c->smooth && c->has_goal && !c->has_numerics);
     ck_assert_str_eq(c->eps.text, "1e-30");
-    ck_assert_int_eq(c->goal.places, CNS_PLACES_SIGNIFICANT);
-    ck_assert_int_eq(c->goal.count, 12);
+    ck_assert_int_eq(c->goal.decimals, 0);
+    ck_assert_int_eq(c->goal.significant, 12);
     ck_assert_int_eq(c->goal.max_digits, 100);
     ck_assert(c->goal.max_time == 2.5);
     ck_assert_int_eq(c->n_columns, 3);
@@ -345,7 +346,7 @@ START_TEST(overrides)
                                        "goal.decimals=25", "time.every=1/2",    "laws.delta=0.1"};
     cns_case *c = good(MINIMAL "abs: exact\n", sets, 6);
     ck_assert(c->has_goal && c->smooth);
-    ck_assert_int_eq(c->goal.count, 25);
+    ck_assert_int_eq(c->goal.decimals, 25);
     ck_assert_str_eq(c->eps.text, "1e-20");
     ck_assert_str_eq(c->every.text, "1/2");
     ck_assert_str_eq(c->overrides, "goal.decimals=20\nparameters.R = 30\nabs.smooth=1e-20\ngoal.decimals=25\n"
@@ -481,11 +482,20 @@ END_TEST
 /* What the code that reads and prints values takes for granted of a row. */
 START_TEST(keeps_each_key_in_a_field_of_its_kind)
 {
-    for (int i = 0; i < cns_n_keys; i++) {
+    static const char *const identifier[] = {
+#define KEY(id, ...) #id,
+#include "io/case_keys.def"
+#undef KEY
+    };
+    for (int i = 0; i < CNS_KEYS; i++) {
         const cns_key *k = &cns_keys[i], *section = cns_key_section(k);
         const bool number = k->type == FIELD_NUMBER || k->type == FIELD_DOUBLE;
         const bool integer = k->type == FIELD_INT || k->type == FIELD_LONG;
-        ck_assert_msg(cns_key_find(k->path) == k, "doubled: %s", k->path);
+        for (size_t at = 0; at <= strlen(k->path); at++)
+            ck_assert_msg(identifier[i][at] == (k->path[at] == '.' ? '_' : toupper(k->path[at])),
+                          "%s is K_%s", k->path, identifier[i]);
+        for (int j = 0; j < i; j++)
+            ck_assert_msg(strcmp(cns_keys[j].path, k->path) != 0, "doubled: %s", k->path);
         ck_assert_msg((section != NULL) == (strchr(k->path, '.') != NULL), "no section: %s", k->path);
         ck_assert_msg(section == NULL || (section < k && section->kind == KEY_SECTION), "%s", k->path);
         switch (k->kind) {

@@ -139,7 +139,7 @@ static void run(events *e, const trial *t, int threads, const cns_goal *goal, co
 
 static void reach(events *e, const trial *t, int threads, cns_places places, long count)
 {
-    const cns_goal goal = {.places = places, .count = count, .max_digits = 2000};
+    const cns_goal goal = goal_of(places, count, 2000);
     run(e, t, threads, &goal, NULL, false);
     check_ok(e->code, &e->err);
     ck_assert(e->result.reached && e->result.complete);
@@ -267,7 +267,7 @@ END_TEST
 START_TEST(a_tie_gets_fewer_decimals)
 {
     const trial t = {"clock", {"0", "0"}, "1", "1/3", {{0, "1/40", NULL}, {0, "1/3", NULL}}, 2};
-    const cns_goal goal = {.places = CNS_PLACES_DECIMALS, .count = 2, .max_digits = 2000};
+    const cns_goal goal = {.decimals = 2, .max_digits = 2000};
     events e;
     run(&e, &t, 1, &goal, NULL, false);
     ck_assert_int_eq(e.code, CNS_UNREACHED);
@@ -294,7 +294,7 @@ START_TEST(where_the_runs_disagree_events_end)
                      "4",
                      {{0, "0.9999999999999999999999999", NULL}, {0, "1/2", NULL}},
                      2};
-    const cns_goal goal = {.places = CNS_PLACES_DECIMALS, .count = 4, .max_digits = 40};
+    const cns_goal goal = {.decimals = 4, .max_digits = 40};
     events e;
     run(&e, &t, 1, &goal, NULL, false);
     ck_assert_int_eq(e.code, CNS_UNREACHED);

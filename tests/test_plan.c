@@ -65,7 +65,7 @@ static cns_run_info plan_for(const setting *s, cns_places places, long count)
 {
     long digits[CNS_PLAN_PARTS];
     cns_schedule schedule = {.digits = digits};
-    cns_goal goal = {.places = places, .count = count, .max_digits = 5000};
+    cns_goal goal = goal_of(places, count, 5000);
     cns_run_info plan;
     cns_error err;
     check_ok(cns_plan(&s->problem, &goal, &plan, &schedule, &err), &err);
@@ -85,11 +85,11 @@ START_TEST(run_is_what_was_planned)
     double expected = 0, took = 0;
     bool close = false;
     setting_open(&s, &goals[_i]);
-    cns_goal goal = {.places = goals[_i].places, .count = goals[_i].count, .max_digits = 5000};
+    cns_goal goal = goal_of(goals[_i].places, goals[_i].count, 5000);
     for (int i = 0; i < TRIES && !close; i++) {
         cns_error err;
         cns_result result;
-        cns_run_info plan = plan_for(&s, goal.places, goal.count);
+        cns_run_info plan = plan_for(&s, goals[_i].places, goals[_i].count);
         double since = cns_process_seconds();
         check_ok(cns_solve_goal(&s.problem, &goal, &result, &err), &err);
         took = cns_process_seconds() - since;
@@ -126,7 +126,7 @@ static cns_code metered_plan(setting *s, int threads, cns_run_info *plan)
 {
     long digits[CNS_PLAN_PARTS];
     cns_schedule schedule = {.digits = digits};
-    cns_goal goal = {.places = CNS_PLACES_DECIMALS, .count = 10, .max_digits = 5000};
+    cns_goal goal = {.decimals = 10, .max_digits = 5000};
     cns_error err;
     readings = 0;
     const cns_monitor monitor = {.threads = threads, .stop = &stop};
@@ -201,7 +201,7 @@ START_TEST(progress_is_that_of_the_work)
     setting_open(&s, &g);
     const cns_monitor monitor = {.progress = watch_progress, .context = &seen};
     s.problem.monitor = &monitor;
-    cns_goal goal = {.places = g.places, .count = g.count, .max_digits = 5000};
+    cns_goal goal = goal_of(g.places, g.count, 5000);
     check_ok(cns_solve_goal(&s.problem, &goal, &result, &err), &err);
     ck_assert_double_eq_tol(seen.last, 1, 1e-9);
     double halfway = result.run.done[CNS_PLAN_PARTS / 2 - 1];
@@ -244,7 +244,7 @@ START_TEST(says_how_far_it_came)
     setting_make(&s, unit_system(&pole, (const char *[]){"1"}), "2", "1/8");
     long digits[CNS_PLAN_PARTS];
     cns_schedule schedule = {.digits = digits};
-    cns_goal goal = {.places = CNS_PLACES_DECIMALS, .count = 10, .max_digits = 5000};
+    cns_goal goal = {.decimals = 10, .max_digits = 5000};
     cns_run_info plan;
     cns_error err = {0};
     check_ok(cns_plan(&s.problem, &goal, &plan, &schedule, &err), &err);

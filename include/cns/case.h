@@ -18,7 +18,7 @@ CNS_BEGIN_DECLS
 
 #define CNS_CASE_MAX_ROWS 10000000 /* end / every is at most that */
 
-/* What a case file says; src/io/case_keys.c lists the keys with their ranges. Without a section its fields
+/* What a case file says; src/io/case_keys.def lists the keys with their ranges. Without a section its fields
  * hold the defaults. */
 typedef struct cns_case {
     char *name; /* of the file, "<stdin>" for standard input; control characters in it are '?' */

@@ -30,10 +30,9 @@ typedef struct cns_column {
 } cns_column;
 
 typedef struct cns_goal {
-    cns_places places;
-    long count;      /* 1.. */
-    long max_digits; /* of the printed run; 0: no limit */
-    double max_time; /* seconds; 0: no limit */
+    long decimals, significant; /* right ones in every value: one of the two is above 0, the other is 0 */
+    long max_digits;            /* of the printed run; 0: no limit */
+    double max_time;            /* seconds; 0: no limit */
 } cns_goal;
 
 #define CNS_PLAN_PARTS 64

@@ -22,8 +22,8 @@ static cns_goal goal_of(const cns_case *c, const cns_options *o)
 {
     cns_goal goal = c->goal;
     if (o->decimals > 0 || !c->has_goal) {
-        goal.places = CNS_PLACES_DECIMALS;
-        goal.count = o->decimals > 0 ? o->decimals : STANDARD_DECIMALS;
+        goal.significant = 0;
+        goal.decimals = o->decimals > 0 ? o->decimals : STANDARD_DECIMALS;
     }
     return goal;
 }
@@ -39,8 +39,9 @@ static void print_text(FILE *out, const cns_context *cx, const void *result)
     const cns_goal *goal = &made->goal;
     const cns_run_info *plan = &made->plan;
     const cns_problem *p = &cx->problem;
-    fprintf(out, "to t = %s with %ld %s:\n", p->end->text, goal->count,
-            goal->places == CNS_PLACES_DECIMALS ? "decimals" : "significant digits");
+    fprintf(out, "to t = %s with %ld %s:\n", p->end->text,
+            goal->significant > 0 ? goal->significant : goal->decimals,
+            goal->significant > 0 ? "significant digits" : "decimals");
     fprintf(out, "digits   %ld, proof with %ld\n", plan->digits, plan->proof_digits);
     fprintf(out, "order    %d, proof with %d\n", plan->order, plan->proof_order);
     fprintf(out, "growth   10^%.1f, margin 10^%.1f\n", plan->growth, plan->margin);

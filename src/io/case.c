@@ -69,7 +69,7 @@ static char *join_lines(const char *const *lines, int n)
 /* To every number of the case outside the model's lists: each belongs to one key. */
 static void for_numbers(cns_case *c, void (*act)(cns_number *))
 {
-    for (const cns_key *k = cns_keys; k < cns_keys + cns_n_keys; k++)
+    for (const cns_key *k = cns_keys; k < cns_keys + CNS_KEYS; k++)
         if (k->type == FIELD_NUMBER)
             act(cns_key_field(k, c));
 }
@@ -90,7 +90,7 @@ cns_code cns_case_parse(const char *name, const char *text, size_t length, const
         apply_sets(root, &r.faults, sets, n_sets);
         r.c = c;
         r.root = root;
-        r.seen = cns_xalloc((size_t)cns_n_keys, sizeof *r.seen);
+        r.seen = cns_xalloc((size_t)CNS_KEYS, sizeof *r.seen);
         cns_case_check(&r);
         cns_case_apply_rules(&r);
         free(r.seen);
@@ -251,7 +251,7 @@ static const char *value_text(const cns_case *c, const cns_key *k, char *room, s
 
 void cns_case_print(const cns_case *c, FILE *out)
 {
-    for (const cns_key *k = cns_keys; k < cns_keys + cns_n_keys; k++) {
+    for (const cns_key *k = cns_keys; k < cns_keys + CNS_KEYS; k++) {
         const cns_key *section = cns_key_section(k);
         char room[32];
         const char *value = value_text(c, k, room, sizeof room);

@@ -346,7 +346,7 @@ static bool read_key(cns_case_reader *r, const cns_key *k, const cns_yaml_node *
 /* The row of the key of this name in a section, NULL being the top. */
 static const cns_key *find_in(const cns_key *section, const char *name)
 {
-    for (const cns_key *k = cns_keys; k < cns_keys + cns_n_keys; k++)
+    for (const cns_key *k = cns_keys; k < cns_keys + CNS_KEYS; k++)
         if (strcmp(cns_key_name(k), name) == 0 && cns_key_section(k) == section)
             return k;
     return NULL;
@@ -360,7 +360,7 @@ static const cns_key *unknown_key(cns_case_reader *r, const cns_key *section, co
     name_set known = {0};
     if (section != NULL)
         snprintf(where, sizeof where, " in '%s'", section->path);
-    for (const cns_key *k = cns_keys; k < cns_keys + cns_n_keys; k++) {
+    for (const cns_key *k = cns_keys; k < cns_keys + CNS_KEYS; k++) {
         const cns_key *home = cns_key_section(k);
         if (strcmp(cns_key_name(k), node->key) == 0) {
             if (home != NULL)
@@ -418,7 +418,7 @@ void cns_case_check(cns_case_reader *r)
     const cns_yaml_node *model = cns_yaml_find(r->root, "model");
     if (model != NULL && !model->refused && read_model(r, model))
         set_defaults_of_model(r->c);
-    for (const cns_key *k = cns_keys; k < cns_keys + cns_n_keys; k++)
+    for (const cns_key *k = cns_keys; k < cns_keys + CNS_KEYS; k++)
         if (k->standard != NULL)
             read_value(r, k, &(cns_yaml_node){.kind = CNS_YAML_SCALAR, .text = (char *)k->standard});
     check_keys(r, NULL, r->root);

@@ -1,6 +1,7 @@
 /* What the sources of case files share: the table of keys, and a case file while it is read.
  *
- * case_keys.c    the table: what keys there are; the help on them
+ * case_keys.def  the table: what keys there are
+ * case_keys.c    looking into it; the help on the keys
  * case_check.c   one key at a time: its value in the file against its row in the table
  * case_rules.c   several keys together: what must be given, what excludes what, defaults that depend on
  * others case.c         loading, overriding, printing */
@@ -61,12 +62,18 @@ typedef struct cns_key {
     const char *meaning;
 } cns_key;
 
-extern const cns_key cns_keys[]; /* a section stands before its keys */
-extern const int cns_n_keys;
+/* Their names in the sources, as K_TIME_END: a rule about a key that does not exist does not compile. */
+typedef enum cns_key_id {
+#define KEY(id, ...) K_##id,
+#include "case_keys.def"
+#undef KEY
+    CNS_KEYS
+} cns_key_id;
+
+extern const cns_key cns_keys[CNS_KEYS];
 
 #define CNS_DOUBLE_MAX_ORDER 30 /* beyond it coefficients scaled in double underflow or cancel to noise */
 
-const cns_key *cns_key_find(const char *path);    /* NULL: there is none */
 const cns_key *cns_key_section(const cns_key *k); /* that k stands in; NULL: at the top */
 const char *cns_key_name(const cns_key *k);       /* "from" of "laws.digits.from" */
 const char *cns_key_indent(const cns_key *k);     /* four blanks for each section that it stands in */

@@ -1,18 +1,13 @@
 /* Rules between keys: what must be given, what excludes what, and values that follow from those of others. */
-#include <assert.h>
-#include <stdlib.h>
-
 #include "case_internal.h"
 
 #define TEXT_OF(x)  #x
 #define TEXT_OF2(x) TEXT_OF(x)
 #define LIMIT_STEPS 1e15 /* of a fixed step up to the end: a month of the fastest is far below */
 
-static const cns_key *key(const char *path)
+static const cns_key *key(cns_key_id id)
 {
-    const cns_key *k = cns_key_find(path);
-    assert(k != NULL);
-    return k;
+    return &cns_keys[id];
 }
 
 /* Where the key stands in the file; NULL: nowhere. */
@@ -21,21 +16,21 @@ static const cns_yaml_node *node_of(const cns_case_reader *r, const cns_key *k)
     return r->seen[k - cns_keys].node;
 }
 
-static bool present(const cns_case_reader *r, const char *path)
+static bool present(const cns_case_reader *r, cns_key_id id)
 {
-    return node_of(r, key(path)) != NULL;
+    return node_of(r, key(id)) != NULL;
 }
 
 /* Present, and as its row allows. */
-static bool given(const cns_case_reader *r, const char *path)
+static bool given(const cns_case_reader *r, cns_key_id id)
 {
-    return r->seen[key(path) - cns_keys].good;
+    return r->seen[id].good;
 }
 
 /* Where a fault about a key is shown: at its value, else at its section, else at the top. */
-static cns_mark place_of(const cns_case_reader *r, const char *path)
+static cns_mark place_of(const cns_case_reader *r, cns_key_id id)
 {
-    const cns_key *k = key(path);
+    const cns_key *k = key(id);
     if (node_of(r, k) != NULL)
         return node_of(r, k)->mark;
     while ((k = cns_key_section(k)) != NULL)
@@ -45,16 +40,16 @@ static cns_mark place_of(const cns_case_reader *r, const char *path)
 }
 
 /* Where a fault is shown that the key itself is, whatever its value; it is present. */
-static cns_mark key_place(const cns_case_reader *r, const char *path)
+static cns_mark key_place(const cns_case_reader *r, cns_key_id id)
 {
-    return node_of(r, key(path))->key_mark;
+    return node_of(r, key(id))->key_mark;
 }
 
-static void require(cns_case_reader *r, const char *path)
+static void require(cns_case_reader *r, cns_key_id id)
 {
-    const cns_key *k = key(path);
-    if (!present(r, path))
-        cns_faults_add(&r->faults, place_of(r, path), "missing key %s%s%s", cns_key_title(k).text,
+    const cns_key *k = key(id);
+    if (!present(r, id))
+        cns_faults_add(&r->faults, place_of(r, id), "missing key %s%s%s", cns_key_title(k).text,
                        cns_key_section(k) != NULL ? ": " : "",
                        cns_key_section(k) != NULL ? cns_key_range(k).text : "");
 }
@@ -77,7 +72,7 @@ static bool quotient_above(const cns_number *end, const cns_number *part, double
 static void parameters_without_default(cns_case_reader *r)
 {
     const cns_model *m = r->c->model;
-    const cns_yaml_node *node = node_of(r, key("parameters"));
+    const cns_yaml_node *node = node_of(r, key(K_PARAMETERS));
     for (int i = 0; m != NULL && i < m->n_parameters; i++)
         if (m->parameters[i].standard == NULL && cns_yaml_find(node, m->parameters[i].name) == NULL)
             cns_faults_add(&r->faults, node != NULL ? node->key_mark : r->root->mark,
@@ -88,97 +83,94 @@ static void parameters_without_default(cns_case_reader *r)
 static void rows_of_table(cns_case_reader *r)
 {
     cns_case *c = r->c;
-    if (given(r, "time.end") && !given(r, "time.every"))
+    if (given(r, K_TIME_END) && !given(r, K_TIME_EVERY))
         cns_number_set(&c->every, &c->end);
-    if (given(r, "time.end") && quotient_above(&c->end, &c->every, CNS_CASE_MAX_ROWS))
-        cns_faults_add(&r->faults, place_of(r, "time.every"),
+    if (given(r, K_TIME_END) && quotient_above(&c->end, &c->every, CNS_CASE_MAX_ROWS))
+        cns_faults_add(&r->faults, place_of(r, K_TIME_EVERY),
                        "'every' in 'time' makes more than %d rows up to the end", CNS_CASE_MAX_ROWS);
 }
 
 static void goal_or_numerics(cns_case_reader *r)
 {
-    if (!present(r, "goal") || !present(r, "numerics"))
+    if (!present(r, K_GOAL) || !present(r, K_NUMERICS))
         return;
-    const cns_mark goal = key_place(r, "goal"), numerics = key_place(r, "numerics");
+    const cns_mark goal = key_place(r, K_GOAL), numerics = key_place(r, K_NUMERICS);
     cns_faults_add(&r->faults, cns_mark_order(goal, numerics) > 0 ? goal : numerics,
                    "'goal' and 'numerics' exclude each other: keep one");
 }
 
 static void goal(cns_case_reader *r)
 {
-    cns_goal *g = &r->c->goal;
-    const bool significant = present(r, "goal.significant");
-    const char *asked = significant ? "goal.significant" : "goal.decimals";
-    if (!given(r, "goal"))
+    const cns_goal *g = &r->c->goal;
+    const bool significant = present(r, K_GOAL_SIGNIFICANT);
+    const cns_key_id asked = significant ? K_GOAL_SIGNIFICANT : K_GOAL_DECIMALS;
+    if (!given(r, K_GOAL))
         return;
     if (!present(r, asked))
-        cns_faults_add(&r->faults, key_place(r, "goal"),
+        cns_faults_add(&r->faults, key_place(r, K_GOAL),
                        "missing key in 'goal': 'decimals' or 'significant'");
-    else if (significant && present(r, "goal.decimals"))
+    else if (significant && present(r, K_GOAL_DECIMALS))
         cns_faults_add(&r->faults, key_place(r, asked),
                        "'goal' takes either 'decimals' or 'significant', not both");
-    g->places = significant ? CNS_PLACES_SIGNIFICANT : CNS_PLACES_DECIMALS;
-    if (given(r, asked)) /* again: both keys have the same field */
-        g->count = strtol(node_of(r, key(asked))->text, NULL, 10);
-    const bool limit_good = given(r, "goal.max_digits") || !present(r, "goal.max_digits");
-    if (given(r, asked) && limit_good && g->count > g->max_digits)
+    const bool limit_good = given(r, K_GOAL_MAX_DIGITS) || !present(r, K_GOAL_MAX_DIGITS);
+    if (given(r, asked) && limit_good && cns_key_get(key(asked), r->c) > g->max_digits)
         cns_faults_add(&r->faults, place_of(r, asked), "%s is above 'max_digits' (%ld%s)",
                        cns_key_title(key(asked)).text, g->max_digits,
-                       given(r, "goal.max_digits") ? "" : ", its default");
+                       given(r, K_GOAL_MAX_DIGITS) ? "" : ", its default");
 }
 
 /* The order that Runge-Kutta's method has, for a key that may ask for none or for just that. */
-static long order_of_rk4(cns_case_reader *r, const char *path, long order)
+static long order_of_rk4(cns_case_reader *r, cns_key_id id, long order)
 {
     if (order != 0 && order != 4)
-        cns_faults_add(&r->faults, place_of(r, path), "'order' of 'method: rk4' is 4 (or auto)");
+        cns_faults_add(&r->faults, place_of(r, id), "'order' of 'method: rk4' is 4 (or auto)");
     return 4;
 }
 
-static void no_digits_in_double(cns_case_reader *r, const char *path)
+static void no_digits_in_double(cns_case_reader *r, cns_key_id id)
 {
-    cns_faults_add(&r->faults, key_place(r, path),
+    cns_faults_add(&r->faults, key_place(r, id),
                    "'digits' does not go with 'arithmetic: double', which has its own 53 bits");
 }
 
 static void numerics(cns_case_reader *r)
 {
     cns_numerics *n = &r->c->numerics;
-    if (!given(r, "numerics"))
+    if (!given(r, K_NUMERICS))
         return;
-    if (!given(r, "numerics.arithmetic"))
+    if (!given(r, K_NUMERICS_ARITHMETIC))
         n->arithmetic = n->method == CNS_METHOD_RK4 ? CNS_ARITH_MPFR : CNS_ARITH_FAST;
     const bool fixed_step = cns_number_sign(&n->step) > 0;
     /* After a bad method or arithmetic, rules about it would only mislead. */
-    const bool method_known = given(r, "numerics.method") || !present(r, "numerics.method");
-    const bool known = given(r, "numerics.arithmetic") || !present(r, "numerics.arithmetic");
+    const bool method_known = given(r, K_NUMERICS_METHOD) || !present(r, K_NUMERICS_METHOD);
+    const bool known = given(r, K_NUMERICS_ARITHMETIC) || !present(r, K_NUMERICS_ARITHMETIC);
     const bool in_double = known && n->arithmetic == CNS_ARITH_DOUBLE;
-    if (in_double && present(r, "numerics.digits"))
-        no_digits_in_double(r, "numerics.digits");
+    if (in_double && present(r, K_NUMERICS_DIGITS))
+        no_digits_in_double(r, K_NUMERICS_DIGITS);
     if (known && !in_double)
-        require(r, "numerics.digits");
+        require(r, K_NUMERICS_DIGITS);
     if (n->method == CNS_METHOD_RK4) {
-        if (!present(r, "numerics.step") || (given(r, "numerics.step") && !fixed_step))
-            cns_faults_add(&r->faults, place_of(r, "numerics.step"),
+        if (!present(r, K_NUMERICS_STEP) || (given(r, K_NUMERICS_STEP) && !fixed_step))
+            cns_faults_add(&r->faults, place_of(r, K_NUMERICS_STEP),
                            "'method: rk4' needs a fixed 'step', such as 1e-3");
         if (known && n->arithmetic == CNS_ARITH_FAST)
-            cns_faults_add(&r->faults, place_of(r, "numerics.arithmetic"),
+            cns_faults_add(&r->faults, place_of(r, K_NUMERICS_ARITHMETIC),
                            "'method: rk4' computes in mpfr or double");
-        n->order = order_of_rk4(r, "numerics.order", n->order);
+        n->order = order_of_rk4(r, K_NUMERICS_ORDER, n->order);
         if (cns_number_sign(&n->tolerance) > 0)
-            cns_faults_add(&r->faults, key_place(r, "numerics.tolerance"),
+            cns_faults_add(&r->faults, key_place(r, K_NUMERICS_TOLERANCE),
                            "'tolerance' does not go with 'method: rk4', whose step is fixed");
     } else if (method_known && in_double && n->order > CNS_DOUBLE_MAX_ORDER) {
-        cns_faults_add(&r->faults, place_of(r, "numerics.order"),
+        cns_faults_add(&r->faults, place_of(r, K_NUMERICS_ORDER),
                        "'order' is at most %d with 'arithmetic: double'", CNS_DOUBLE_MAX_ORDER);
     }
-    if (fixed_step && given(r, "time.end") && quotient_above(&r->c->end, &n->step, LIMIT_STEPS))
-        cns_faults_add(&r->faults, place_of(r, "numerics.step"),
+    if (fixed_step && given(r, K_TIME_END) && quotient_above(&r->c->end, &n->step, LIMIT_STEPS))
+        cns_faults_add(&r->faults, place_of(r, K_NUMERICS_STEP),
                        "'step' makes more than " TEXT_OF2(LIMIT_STEPS) " steps up to the end");
 }
 
 /* Two ends of a range: numbers must differ, integers may be the same. */
-static void ends(cns_case_reader *r, const char *from, const char *to, bool upwards)
+static void ends(cns_case_reader *r, cns_key_id from, cns_key_id to, bool upwards)
 {
     const cns_key *a = key(from), *b = key(to);
     if (!given(r, from) || !given(r, to))
@@ -195,11 +187,11 @@ static void ends(cns_case_reader *r, const char *from, const char *to, bool upwa
 static void laws(cns_case_reader *r)
 {
     cns_laws_spec *l = &r->c->laws;
-    ends(r, "laws.digits.from", "laws.digits.to", true);
+    ends(r, K_LAWS_DIGITS_FROM, K_LAWS_DIGITS_TO, true);
     if (l->has_steps && l->steps.method == CNS_METHOD_RK4)
-        l->steps.order = order_of_rk4(r, "laws.steps.order", l->steps.order);
-    ends(r, "laws.steps.from", "laws.steps.to", false);
-    ends(r, "laws.smoothing.from", "laws.smoothing.to", false);
+        l->steps.order = order_of_rk4(r, K_LAWS_STEPS_ORDER, l->steps.order);
+    ends(r, K_LAWS_STEPS_FROM, K_LAWS_STEPS_TO, false);
+    ends(r, K_LAWS_SMOOTHING_FROM, K_LAWS_SMOOTHING_TO, false);
 }
 
 static void lyapunov(cns_case_reader *r)
@@ -208,16 +200,16 @@ static void lyapunov(cns_case_reader *r)
     if (l->arithmetic != CNS_ARITH_DOUBLE)
         return;
     l->digits = 0;
-    if (given(r, "lyapunov.digits"))
-        no_digits_in_double(r, "lyapunov.digits");
+    if (given(r, K_LYAPUNOV_DIGITS))
+        no_digits_in_double(r, K_LYAPUNOV_DIGITS);
 }
 
 static void bisect(cns_case_reader *r)
 {
-    static const char *const bracket[] = {"bisect.lower", "bisect.upper"};
+    static const cns_key_id bracket[] = {K_BISECT_LOWER, K_BISECT_UPPER};
     const cns_case *c = r->c;
     ends(r, bracket[0], bracket[1], true);
-    if (!given(r, "bisect.parameter"))
+    if (!given(r, K_BISECT_PARAMETER))
         return;
     const char *minimum = c->model->parameters[c->bisect.parameter].minimum;
     for (int i = 0; i < 2; i++)
@@ -231,12 +223,14 @@ void cns_case_apply_rules(cns_case_reader *r)
 {
     parameters_without_default(r);
     laws(r);
-    for (const cns_key *k = cns_keys; k < cns_keys + cns_n_keys; k++)
-        if (k->required && (cns_key_section(k) == NULL || given(r, cns_key_section(k)->path)))
-            require(r, k->path);
+    for (cns_key_id id = 0; id < CNS_KEYS; id++) {
+        const cns_key *section = cns_key_section(key(id));
+        if (key(id)->required && (section == NULL || r->seen[section - cns_keys].good))
+            require(r, id);
+    }
     rows_of_table(r);
     if (r->c->smooth)
-        require(r, "abs.smooth");
+        require(r, K_ABS_SMOOTH);
     goal_or_numerics(r);
     goal(r);
     numerics(r);

@@ -28,15 +28,15 @@ enum {
 /* The decimals that the goal asks for in x: significant digits of a small number are more. */
 static double places_of(const cns_goal *goal, mpfr_srcptr x)
 {
-    const double count = (double)goal->count;
-    if (goal->places == CNS_PLACES_DECIMALS || !mpfr_regular_p(x))
+    const double count = (double)cns_goal_count(goal);
+    if (cns_goal_places(goal) == CNS_PLACES_DECIMALS || !mpfr_regular_p(x))
         return count;
     return count + fmax(0, -cns_log2_mpfr(x) * CNS_LOG10_2);
 }
 
 static double places_of_row(const cns_problem *p, const cns_goal *goal, const cns_sample *s)
 {
-    double most = (double)goal->count;
+    double most = (double)cns_goal_count(goal);
     for (int i = 0; i < cns_columns(p); i++) {
         const cns_column c = cns_column_at(p, i);
         if (c.kind != CNS_COLUMN_TIME)
@@ -118,13 +118,13 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
     const cns_code refused = cns_problem_check(p, err);
     if (refused)
         return refused;
-    if (goal->count < 1)
-        return cns_fail(err, CNS_USAGE, "a goal is at least one decimal or significant digit");
+    if ((goal->decimals > 0) == (goal->significant > 0))
+        return cns_fail(err, CNS_USAGE, "a goal is at least one decimal, or significant digit, not both");
     cns_trajectory_spec spec = {.flow = cns_flow_spec_taylor(cns_system_program(p->system),
                                                              cns_system_scales(p->system), CNS_ARITH_DOUBLE,
                                                              CNS_DOUBLE_DIGITS),
                                 .initial = cns_system_initial(p->system),
-                                .outputs = cns_wants_outputs(p) && goal->places == CNS_PLACES_SIGNIFICANT,
+                                .outputs = cns_wants_outputs(p) && goal->significant > 0,
                                 .deadline = goal->max_time > 0 ? cns_seconds() + goal->max_time : 0,
                                 .origins = true,
                                 .end = cns_number_get_d(p->end),
@@ -135,7 +135,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
                                 .unit_noise = true};
     const double since = cns_thread_seconds();
     cns_tally tally = {.spec = &spec.flow, .end = spec.end};
-    needs need = {.p = p, .goal = goal, .most = (double)goal->count};
+    needs need = {.p = p, .goal = goal, .most = (double)cns_goal_count(goal)};
     spec.context = &tally;
     spec.met_context = &need;
     spec.flow.portable = true;

@@ -34,6 +34,16 @@ const cns_number *cns_every(const cns_problem *p)
     return p->every != NULL ? p->every : p->end;
 }
 
+cns_places cns_goal_places(const cns_goal *goal)
+{
+    return goal->significant > 0 ? CNS_PLACES_SIGNIFICANT : CNS_PLACES_DECIMALS;
+}
+
+long cns_goal_count(const cns_goal *goal)
+{
+    return goal->significant > 0 ? goal->significant : goal->decimals;
+}
+
 bool cns_wants_outputs(const cns_problem *p)
 {
     for (int i = 0; i < cns_columns(p); i++)
@@ -62,7 +72,7 @@ cns_code cns_solve_print(const cns_system *s, const char *end, const char *every
     printer p = {.out = out, .columns = 1 + m->n_states + m->n_outputs};
     cns_column *columns = cns_xalloc((size_t)p.columns, sizeof *columns); /* the first is the time */
     const cns_sink sink = {.context = &p, .row = print_row};
-    const cns_goal goal = {.places = CNS_PLACES_DECIMALS, .count = decimals};
+    const cns_goal goal = {.decimals = decimals};
     cns_number last, step;
     cns_result result;
     cns_number_init(&last);

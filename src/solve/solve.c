@@ -394,7 +394,7 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
     bool doubted = false;
     long digits[CNS_PLAN_PARTS];
     cns_schedule schedule = {.digits = digits};
-    demand d = {.places = goal->places, .count = goal->count};
+    demand d = {.places = cns_goal_places(goal), .count = cns_goal_count(goal)};
     *result = (cns_result){.decimals = -1};
     cns_code code = cns_plan(p, goal, &result->run, &schedule, err);
     while (!code) {
