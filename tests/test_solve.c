@@ -115,6 +115,7 @@ static void check_row(const table *t, int r, const char *file, cns_places places
         free(rounded);
         cns_number_clear(&x);
     }
+    free(text);
 }
 
 #define CASE4 "model: apw\ninitial: {theta: 1, Vy: 0.01, omega: 1}\n"
