@@ -79,16 +79,19 @@ static void fold(cns_program *p)
     }
     for (int i = 0; i < p->n_states; i++)
         p->node[p->derivative[i]].uses++;
-    for (int v = 0; v < p->n_nodes; v++)
-        if (p->node[v].needed && !p->node[v].constant)
-            for (int k = 0; k < 4; k++) {
-                int a = p->node[v].arg[k];
-                if (a < 0)
-                    continue;
-                p->node[a].uses++;
-                if (!(cns_operations[p->node[v].op]->adds >> k & 1))
-                    stored[a] = true;
-            }
+    for (int v = 0; v < p->n_nodes; v++) {
+        const cns_program_node *n = &p->node[v];
+        const cns_operation *op = cns_operations[n->op];
+        if (!n->needed || n->constant)
+            continue;
+        for (int k = 0; k < op->operands; k++) {
+            p->node[n->arg[k]].uses++;
+            if (!(op->adds >> k & 1))
+                stored[n->arg[k]] = true;
+        }
+        if (op->has_companion)
+            stored[v + 1] = true;
+    }
     for (int v = 0; v < p->n_nodes; v++) {
         cns_program_node *n = &p->node[v];
         const bool may =
