@@ -9,10 +9,8 @@
 #include "cns/model.h"
 #include "cns/solve.h"
 #include "core/clock.h"
-#include "integrate/trajectory.h"
 #include "num/decimal_text.h"
 #include "problem.h"
-#include "solve/proof.h"
 #include "taylor/program_internal.h"
 
 enum { MAX_ROWS = 200, MAX_COLUMNS = 8, MAX_STATES = 6 };
@@ -586,60 +584,6 @@ START_TEST(a_wrong_sign_is_found)
 }
 END_TEST
 
-/* Two runs of case 4 to t, of 120 and 98 digits; the finer one may have another value of I. Both differences
- * in log2: of the states, and what noise has grown to in the coarser run. */
-static cns_code two_runs(const char *inertia, const char *t, double *difference, double *noise,
-                         cns_error *found)
-{
-    cns_code code = CNS_OK;
-    cns_number *time = numbers_new(1, &t);
-    cns_sample sample[2];
-    *difference = -HUGE_VAL;
-    for (int run = 0; run < 2; run++) {
-        const cns_setting settings[] = {
-            {"I", run ? "2.2" : inertia}, {"theta", "1"}, {"Vy", "0.01"}, {"omega", "1"}, {NULL, NULL}};
-        cns_system *system = system_new(cns_model_find("apw"), settings);
-        const cns_program *program = cns_system_program(system);
-        cns_error err;
-        cns_trajectory_spec spec = {.flow = taylor_spec(program, run ? 98 : 120),
-                                    .initial = cns_system_initial(system)};
-        cns_trajectory *trajectory = cns_trajectory_new(&spec, &err);
-        ck_assert_ptr_nonnull(trajectory);
-        ck_assert(cns_sample_init(&sample[run], program, spec.flow.prec));
-        check_ok(cns_trajectory_at(trajectory, time->ratio, &sample[run], &err), &err);
-        if (run) {
-            cns_problem problem = {.system = system};
-            code = cns_proof_explained(&problem, &sample[0], &sample[1], 4, found);
-        }
-        cns_trajectory_free(trajectory);
-        cns_system_free(system);
-    }
-    for (int i = 2; i < 6; i++)
-        *difference = fmax(*difference, log2_distance(sample[0].state[i], sample[1].state[i]));
-    *noise = sample[1].error_log2;
-    cns_sample_clear(&sample[0]);
-    cns_sample_clear(&sample[1]);
-    numbers_free(time, 1);
-    return code;
-}
-
-/* A constant that one run has to 60 digits only: the difference is larger than noise times growth explains.
- */
-START_TEST(a_rounded_constant_shows)
-{
-    double difference, noise;
-    cns_error found;
-    ck_assert_int_eq(two_runs("2.2", "4", &difference, &noise, &found), CNS_OK);
-    ck_assert_msg(difference < noise + 24, "2^%.1f of 2^%.1f", difference, noise);
-    ck_assert_int_eq(two_runs("2.20000000000000000000000000000000000000000000000000000000000003", "4",
-                              &difference, &noise, &found),
-                     CNS_NUMERIC);
-    ck_assert_msg(strstr(found.text, "not chaos") != NULL, "%s", found.text);
-    ck_assert_msg(difference > DECIMALS(64) && difference < DECIMALS(58), "2^%.1f", difference);
-    ck_assert_msg(difference > noise + 64, "2^%.1f of 2^%.1f", difference, noise);
-}
-END_TEST
-
 Suite *suite_solve(void)
 {
     Suite *suite = suite_create("solve");
@@ -670,7 +614,6 @@ Suite *suite_solve(void)
     suite_add_tcase(suite, tc);
     tc = tcase_create("faults");
     add_table_test(tc, a_wrong_sign_is_found, kinks);
-    tcase_add_test(tc, a_rounded_constant_shows);
     suite_add_tcase(suite, tc);
     return suite;
 }

@@ -85,7 +85,7 @@ static int open_outputs(run_context *r)
         return cns_complain(CNS_USAGE, "--section names an event for --events FILE, which is missing");
     int status = o->events != NULL ? cns_event_table_open(&r->events, r->cx) : 0;
     if (!status && (!o->yaml || o->output)) {
-        r->table = cns_table_open(o->output, r->cx->c, &err);
+        r->table = cns_table_open(o->output, stdout, r->cx->c, &err);
         if (!r->table)
             status = cns_complain(err.code, "%s", err.text);
     }

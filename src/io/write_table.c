@@ -14,11 +14,11 @@ struct cns_table {
     bool begun, gone;
 };
 
-cns_table *cns_table_open(const char *path, const cns_case *c, cns_error *err)
+cns_table *cns_table_open(const char *path, FILE *out, const cns_case *c, cns_error *err)
 {
     cns_table *t = cns_xalloc(1, sizeof *t);
     t->c = c;
-    t->file = stdout;
+    t->file = out;
     if (!path)
         return t;
     if (cns_file_create(&t->own, path, err)) {

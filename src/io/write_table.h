@@ -2,15 +2,19 @@
 #ifndef CNS_IO_WRITE_TABLE_H
 #define CNS_IO_WRITE_TABLE_H
 
+#include <stdio.h>
+
 #include "cns/case.h"
 #include "cns/solve.h"
 #include "cns/status.h"
 
 typedef struct cns_table cns_table;
 
-/* path NULL: standard output. Else the table is written beside path, and renamed to it when it is closed;
- * nothing is left behind, and an older file stays, when it cannot be written. */
-cns_table *cns_table_open(const char *path, const cns_case *c, cns_error *err);
+/* path NULL: written to out, standard output, which stays open. Else the table is written beside path, and
+ * renamed to it when it is closed; nothing is left behind, and an older file stays, when it cannot be
+ * written.
+ */
+cns_table *cns_table_open(const char *path, FILE *out, const cns_case *c, cns_error *err);
 
 /* The provenance and the header row at the first call; later ones note a new attempt. */
 cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err);
