@@ -5,24 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "num/vector.h"
-
 const double unit_scales[MAX_SCALES] = {
     1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
     1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
 };
-
-mpfr_t *vector_new(int n, mpfr_prec_t prec)
-{
-    mpfr_t *v = cns_vector_new(n, prec);
-    ck_assert_ptr_nonnull(v);
-    return v;
-}
-
-void vector_free(mpfr_t *v, int n)
-{
-    cns_vector_free(v, n);
-}
 
 cns_number *numbers_new(int n, const char *const *texts)
 {

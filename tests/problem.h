@@ -9,14 +9,12 @@
 #include "cns/program.h"
 #include "cns/solve.h"
 #include "cns/system.h"
+#include "num/vector.h"
 #include "support.h"
 #include "taylor/jet.h"
 
 enum { MAX_SCALES = 64 };
 extern const double unit_scales[MAX_SCALES]; /* ones */
-
-mpfr_t *vector_new(int n, mpfr_prec_t prec); /* zeros */
-void vector_free(mpfr_t *v, int n);
 
 cns_number *numbers_new(int n, const char *const *texts);
 void numbers_free(cns_number *x, int n);

@@ -34,7 +34,7 @@ START_TEST(agreement)
 {
     cns_system *p = problem(CNS_BENCH_APW);
     const int n = cns_program_states(cns_system_program(p));
-    mpfr_t *x = vector_new(n, 200), *y = vector_new(n, 200);
+    mpfr_t *x = cns_vector_xnew(n, 200), *y = cns_vector_xnew(n, 200);
     for (int i = 0; i < n; i++) {
         mpfr_set_d(x[i], 0.3 * i - 1, MPFR_RNDN);
         mpfr_set(y[i], x[i], MPFR_RNDN);
@@ -46,8 +46,8 @@ START_TEST(agreement)
     ck_assert_double_eq_tol(cns_bench_agreed(p, (const mpfr_t *)x, (const mpfr_t *)y), 31, 0.1);
     mpfr_sub_d(y[n - 2], y[n - 2], 1e-12, MPFR_RNDN);
     ck_assert_double_eq_tol(cns_bench_agreed(p, (const mpfr_t *)x, (const mpfr_t *)y), 12, 0.1);
-    vector_free(x, n);
-    vector_free(y, n);
+    cns_vector_free(x);
+    cns_vector_free(y);
     cns_system_free(p);
 }
 END_TEST

@@ -426,7 +426,7 @@ START_TEST(symmetries_of_a_model)
         const int n = m->n_states;
         cns_program *p = model_program(m->name, NULL);
         cns_jet *J = jet_new(p, &cns_arith_mpfr, 1, PREC);
-        mpfr_t *x = vector_new(n, PREC), *f = vector_new(n, PREC), *g = vector_new(n, PREC);
+        mpfr_t *x = cns_vector_xnew(n, PREC), *f = cns_vector_xnew(n, PREC), *g = cns_vector_xnew(n, PREC);
         for (int j = 0; j < m->n_symmetries; j++) {
             const cns_model_symmetry *y = &m->symmetries[j];
             for (int i = 0; i < n; i++)
@@ -447,9 +447,9 @@ START_TEST(symmetries_of_a_model)
                 check_close(f[i], g[i], 20.0 - PREC, "%s, %s, state %d", m->name, y->name, i);
             }
         }
-        vector_free(x, n);
-        vector_free(f, n);
-        vector_free(g, n);
+        cns_vector_free(x);
+        cns_vector_free(f);
+        cns_vector_free(g);
         cns_jet_free(J);
         cns_program_free(p);
     }
@@ -466,7 +466,7 @@ START_TEST(balls)
     check_ok(cns_tangent_program(p, 1, &tangent, &err), &err);
     const int n = cns_program_states(tangent);
     cns_jet *J = jet_new(tangent, &cns_arith_mpfr, 1, PREC + 80);
-    mpfr_t *x = vector_new(n, PREC + 80), *f = vector_new(n, PREC + 80);
+    mpfr_t *x = cns_vector_xnew(n, PREC + 80), *f = cns_vector_xnew(n, PREC + 80);
     arb_ptr box = _arb_vec_init(n), image = _arb_vec_init(n);
     for (int turn = 0; turn < 200; turn++) {
         const slong size = -2 - (slong)test_random_below(&s, 60);
@@ -493,8 +493,8 @@ START_TEST(balls)
     }
     _arb_vec_clear(box, n);
     _arb_vec_clear(image, n);
-    vector_free(x, n);
-    vector_free(f, n);
+    cns_vector_free(x);
+    cns_vector_free(f);
     cns_jet_free(J);
     cns_program_free(tangent);
     cns_program_free(p);

@@ -151,7 +151,7 @@ START_TEST(integrates_absolute_values)
     cns_program *p = clocked(2, NULL);
     cns_derivative(p, 1, cns_abs(p, integrals[row].u(p, cns_state(p, 0))));
     finished(p);
-    mpfr_t *x = vector_new(2, 300);
+    mpfr_t *x = cns_vector_xnew(2, 300);
     long landings = run_mode(m, p, zeros, integrals[row].t, x);
     snprintf(what, sizeof what, "%s, %s", integrals[row].name, modes[m].name);
     check_value(x[0], integrals[row].t, modes[m].decimals, what);
@@ -159,7 +159,7 @@ START_TEST(integrates_absolute_values)
     /* A zero at the end of a fixed step begins the next one instead: no event. */
     ck_assert_msg((landings >= integrals[row].least || modes[m].step) && landings <= integrals[row].most,
                   "%s: %ld landings", what, landings);
-    vector_free(x, 2);
+    cns_vector_free(x);
     cns_program_free(p);
 }
 END_TEST
@@ -177,7 +177,7 @@ START_TEST(an_excursion_that_only_just_crosses)
             cns_derivative(p, 1, cns_abs(p, crosses ? cns_sub(p, square, d2) : cns_add(p, square, d2)));
             cns_flow_spec spec = taylor_spec(finished(p), 100);
             cns_flow *f = flow_started(&spec, zeros);
-            mpfr_t *x = vector_new(2, spec.prec), d, y;
+            mpfr_t *x = cns_vector_xnew(2, spec.prec), d, y;
             flow_to(f, "3", x);
             ck_assert_int_eq(cns_flow_landings(f), crosses ? 2 : 0);
             mpfr_inits2(spec.prec, d, y, (mpfr_ptr)0);
@@ -194,7 +194,7 @@ START_TEST(an_excursion_that_only_just_crosses)
             mpfr_add_ui(y, y, 3, MPFR_RNDN);
             check_close(x[1], y, DECIMALS(95), "width %s, crosses %d", widths[i], crosses);
             mpfr_clears(d, y, (mpfr_ptr)0);
-            vector_free(x, 2);
+            cns_vector_free(x);
             cns_flow_free(f);
             cns_program_free(p);
         }
@@ -211,7 +211,7 @@ START_TEST(crossings_at_the_same_time)
     cns_derivative(p, 3, cns_abs(p, cns_sub(p, nine, cns_sqr(p, x))));
     cns_derivative(p, 4, cns_mul(p, cns_abs(p, less(p, x, "1/3")), less(p, x, "1/3")));
     finished(p);
-    mpfr_t *y = vector_new(5, 300);
+    mpfr_t *y = cns_vector_xnew(5, 300);
     for (int m = 0; m < MODES; m++) {
         long landings = run_mode(m, p, zeros, "1", y);
         ck_assert_msg(landings >= 1 && landings <= 3, "%ld landings", landings);
@@ -220,7 +220,7 @@ START_TEST(crossings_at_the_same_time)
         check_value(y[3], "22/81", modes[m].decimals, modes[m].name);
         check_value(y[4], "7/81", modes[m].decimals, modes[m].name);
     }
-    vector_free(y, 5);
+    cns_vector_free(y);
     cns_program_free(p);
 }
 END_TEST
@@ -232,7 +232,7 @@ START_TEST(a_crossing_at_an_output_time)
     cns_derivative(p, 1, cns_abs(p, less(p, cns_state(p, 0), "1")));
     cns_flow_spec spec = taylor_spec(finished(p), 40);
     cns_flow *f = flow_started(&spec, zeros);
-    mpfr_t *x = vector_new(2, spec.prec);
+    mpfr_t *x = cns_vector_xnew(2, spec.prec);
     cns_error err;
     flow_to(f, "1", x);
     check_value(x[1], "1/2", 38, "at the crossing");
@@ -249,7 +249,7 @@ START_TEST(a_crossing_at_an_output_time)
     mpq_clear(one);
     flow_to(f, "2", x);
     check_value(x[1], "1", 38, "behind the crossing");
-    vector_free(x, 2);
+    cns_vector_free(x);
     cns_flow_free(f);
     cns_program_free(p);
 }
@@ -263,13 +263,13 @@ START_TEST(a_state_that_stays_zero)
     cns_derivative(p, 1, cns_add(p, cns_abs(p, z), cns_constant(p, "1")));
     cns_derivative(p, 2, cns_mul(p, z, cns_sub(p, cns_state(p, 0), cns_abs(p, z))));
     finished(p);
-    mpfr_t *x = vector_new(3, 300);
+    mpfr_t *x = cns_vector_xnew(3, 300);
     for (int m = 0; m < MODES; m++) {
         ck_assert_int_eq(run_mode(m, p, zeros, "3", x), 0);
         check_value(x[1], "3", modes[m].decimals, modes[m].name);
         ck_assert(mpfr_zero_p(x[2]));
     }
-    vector_free(x, 3);
+    cns_vector_free(x);
     cns_program_free(p);
 }
 END_TEST
@@ -290,13 +290,13 @@ START_TEST(an_invariant_line)
         cns_derivative(p, 2, f);
         cns_derivative(p, 3, cns_constant(p, "-1"));
         finished(p);
-        mpfr_t *y = vector_new(4, 300);
+        mpfr_t *y = cns_vector_xnew(4, 300);
         for (int m = 0; m < MODES; m++) {
             long landings = run_mode(m, p, start, "2", y);
             ck_assert(landings == 1 || (landings == 0 && modes[m].step));
             check_value(y[1], "1", modes[m].decimals, modes[m].name);
         }
-        vector_free(y, 4);
+        cns_vector_free(y);
         cns_program_free(p);
     }
 }
@@ -311,7 +311,7 @@ START_TEST(case_1_has_a_closed_form)
     cns_program *p = model_program("apw", NULL);
     cns_flow_spec spec = taylor_spec(p, 54);
     cns_flow *f = flow_started(&spec, start);
-    mpfr_t *x = vector_new(6, spec.prec), W, k, a, t, vy, y;
+    mpfr_t *x = cns_vector_xnew(6, spec.prec), W, k, a, t, vy, y;
     mpfr_inits2(400, W, k, a, t, vy, y, (mpfr_ptr)0);
     mpfr_const_pi(W, MPFR_RNDN);
     mpfr_mul_ui(W, W, 5, MPFR_RNDN);
@@ -345,7 +345,7 @@ START_TEST(case_1_has_a_closed_form)
     }
     ck_assert_int_eq(cns_flow_landings(f), 1);
     mpfr_clears(W, k, a, t, vy, y, (mpfr_ptr)0);
-    vector_free(x, 6);
+    cns_vector_free(x);
     cns_flow_free(f);
     cns_program_free(p);
 }
@@ -369,7 +369,7 @@ START_TEST(agrees_with_reference_tables)
     cns_program *p = model_program("apw", references[_i].smooth);
     cns_flow_spec spec = taylor_spec(p, references[_i].digits);
     cns_flow *f = flow_started(&spec, references[_i].initial);
-    mpfr_t *x = vector_new(6, spec.prec), *y = vector_new(6, spec.prec);
+    mpfr_t *x = cns_vector_xnew(6, spec.prec), *y = cns_vector_xnew(6, spec.prec);
     for (int i = 0; i < 4 && references[_i].times[i]; i++) {
         flow_to(f, references[_i].times[i], x);
         reference_row(references[_i].table, references[_i].times[i], y, 6);
@@ -378,8 +378,8 @@ START_TEST(agrees_with_reference_tables)
                         references[_i].table, references[_i].times[i], k);
     }
     ck_assert_msg((cns_flow_landings(f) > 0) == !references[_i].smooth, "%ld landings", cns_flow_landings(f));
-    vector_free(x, 6);
-    vector_free(y, 6);
+    cns_vector_free(x);
+    cns_vector_free(y);
     cns_flow_free(f);
     cns_program_free(p);
 }
@@ -395,11 +395,11 @@ START_TEST(lorenz_at_100)
     cns_program *p = model_program("lorenz", NULL);
     cns_flow_spec spec = taylor_spec(p, 50);
     cns_flow *f = flow_started(&spec, start);
-    mpfr_t *x = vector_new(3, spec.prec);
+    mpfr_t *x = cns_vector_xnew(3, spec.prec);
     flow_to(f, "100", x);
     for (int i = 0; i < 3; i++)
         check_value(x[i], published[i], 8, "Lorenz at t = 100");
-    vector_free(x, 3);
+    cns_vector_free(x);
     cns_flow_free(f);
     cns_program_free(p);
 }
@@ -433,7 +433,7 @@ START_TEST(a_fixed_step_rejoins_its_grid)
         }
         ck_assert_int_le(cns_flow_landings(f), 1);
         ck_assert(cns_flow_landings(f) == 1 || k == 1 || k == 3); /* 1/2 and 0.1 are on the grid */
-        mpfr_t *x = vector_new(2, spec.prec), y, c;
+        mpfr_t *x = cns_vector_xnew(2, spec.prec), y, c;
         flow_to(f, "2", x); /* (c^2 + (2 - c)^2)/2 */
         mpfr_inits2(spec.prec, y, c, (mpfr_ptr)0);
         cns_number *n = numbers_new(1, &kinks[k]);
@@ -446,7 +446,7 @@ START_TEST(a_fixed_step_rejoins_its_grid)
         mpfr_div_2ui(y, y, 1, MPFR_RNDN);
         check_close(x[1], y, DECIMALS(28), "kink %s", kinks[k]);
         mpfr_clears(y, c, (mpfr_ptr)0);
-        vector_free(x, 2);
+        cns_vector_free(x);
         mpfr_clear(t);
         cns_flow_free(f);
         cns_program_free(p);
@@ -471,7 +471,7 @@ START_TEST(smoothed_abs_has_a_closed_form)
             cns_derivative(p, 1, cns_abs(p, shifted ? less(p, x0, "1") : x0));
             cns_flow_spec spec = taylor_spec(finished(p), digits);
             cns_flow *f = flow_started(&spec, starts[shifted]);
-            mpfr_t *x = vector_new(2, spec.prec), e, y, z;
+            mpfr_t *x = cns_vector_xnew(2, spec.prec), e, y, z;
             flow_to(f, "2", x);
             mpfr_inits2(spec.prec + 200, e, y, z, (mpfr_ptr)0);
             cns_number *n = numbers_new(1, &eps[i]);
@@ -489,7 +489,7 @@ START_TEST(smoothed_abs_has_a_closed_form)
             /* one landing where e is far below what the precision can tell from a kink */
             ck_assert_int_eq(cns_flow_landings(f), e_exponent < -(2 * spec.prec / 3 + 16));
             mpfr_clears(e, y, z, (mpfr_ptr)0);
-            vector_free(x, 2);
+            cns_vector_free(x);
             cns_flow_free(f);
             cns_program_free(p);
         }
@@ -507,7 +507,7 @@ START_TEST(smoothing_converges_like_the_square)
         cns_program *p = model_program("apw", eps[i]);
         cns_flow_spec spec = taylor_spec(p, 32);
         cns_flow *f = flow_started(&spec, start);
-        x[i] = vector_new(6, spec.prec);
+        x[i] = cns_vector_xnew(6, spec.prec);
         flow_to(f, "8", x[i]);
         error[i] = exp2(log2_distance(x[i][2], x[0][2]));
         cns_flow_free(f);
@@ -519,7 +519,7 @@ START_TEST(smoothing_converges_like_the_square)
             ck_assert_double_eq_tol(error[i - 1] / error[i], 100, 0.1);
     }
     for (int i = 0; i < 4; i++)
-        vector_free(x[i], 6);
+        cns_vector_free(x[i]);
 }
 END_TEST
 
@@ -555,7 +555,7 @@ START_TEST(works_at_any_order)
         spec.arithmetic = runs[i].arithmetic;
         spec.portable = i % 2;
         cns_flow *f = flow_started(&spec, start);
-        mpfr_t *x = vector_new(2, spec.prec), y, z;
+        mpfr_t *x = cns_vector_xnew(2, spec.prec), y, z;
         flow_to(f, "3", x);
         mpfr_inits2(spec.prec + 60, y, z, (mpfr_ptr)0);
         mpfr_set_ui(y, 3, MPFR_RNDN);
@@ -564,7 +564,7 @@ START_TEST(works_at_any_order)
         check_close(x[0], y, runs[i].error_log2, "order %d", runs[i].order);
         check_close(x[1], z, runs[i].error_log2, "order %d", runs[i].order);
         mpfr_clears(y, z, (mpfr_ptr)0);
-        vector_free(x, 2);
+        cns_vector_free(x);
         cns_flow_free(f);
     }
     cns_program_free(p);
@@ -588,7 +588,7 @@ START_TEST(rk4_is_of_order_4)
                 spec.arithmetic = arithmetic ? CNS_ARITH_DOUBLE : CNS_ARITH_MPFR;
                 spec.step = step;
                 cns_flow *f = flow_started(&spec, start);
-                mpfr_t *x = vector_new(2, spec.prec), t;
+                mpfr_t *x = cns_vector_xnew(2, spec.prec), t;
                 const char *end = between ? "2.8484848484848" : "3";
                 flow_to(f, end, x);
                 ck_assert_int_eq(cns_flow_landings(f), 0);
@@ -606,7 +606,7 @@ START_TEST(rk4_is_of_order_4)
                     ck_assert_double_gt(last - e, 2.5); /* the place within the step changes */
                 last = e;
                 mpfr_clear(t);
-                vector_free(x, 2);
+                cns_vector_free(x);
                 cns_flow_free(f);
                 numbers_free(step, 1);
             }
@@ -626,7 +626,7 @@ START_TEST(rk4_is_blind_to_kinks)
     spec.method = CNS_METHOD_RK4;
     spec.step = step;
     cns_flow *f = flow_started(&spec, zeros);
-    mpfr_t *x = vector_new(2, spec.prec), y;
+    mpfr_t *x = cns_vector_xnew(2, spec.prec), y;
     flow_to(f, "1", x);
     ck_assert_int_eq(cns_flow_landings(f), 0);
     ck_assert_int_eq(cns_flow_steps(f), 10);
@@ -635,7 +635,7 @@ START_TEST(rk4_is_blind_to_kinks)
     double e = log2_distance(x[1], y);
     ck_assert_msg(e > -18 && e < -8, "error 2^%g", e);
     mpfr_clear(y);
-    vector_free(x, 2);
+    cns_vector_free(x);
     cns_flow_free(f);
     cns_program_free(p);
     numbers_free(step, 1);
@@ -657,7 +657,7 @@ START_TEST(output_times_change_nothing)
         if (kind == 2)
             spec.method = CNS_METHOD_RK4;
         cns_flow *a = flow_started(&spec, start), *b = flow_started(&spec, start);
-        mpfr_t *x = vector_new(6, 300);
+        mpfr_t *x = cns_vector_xnew(6, 300);
         mpq_t t, u;
         mpq_inits(t, u, (mpq_ptr)0);
         for (int i = 0; i < 150; i++) {
@@ -680,7 +680,7 @@ START_TEST(output_times_change_nothing)
         }
         ck_assert_int_eq(cns_flow_landings(a), cns_flow_landings(b));
         mpq_clears(t, u, (mpq_ptr)0);
-        vector_free(x, 6);
+        cns_vector_free(x);
         cns_flow_free(a);
         cns_flow_free(b);
         numbers_free(step, 1);
@@ -702,7 +702,7 @@ START_TEST(dense_output_joins)
         spec.method = rk4 ? CNS_METHOD_RK4 : CNS_METHOD_TAYLOR;
         spec.step = rk4 ? step : NULL;
         cns_flow *f = flow_new(&spec);
-        mpfr_t *x = vector_new(6, spec.prec), *first = vector_new(6, spec.prec);
+        mpfr_t *x = cns_vector_xnew(6, spec.prec), *first = cns_vector_xnew(6, spec.prec);
         mpq_t t;
         mpq_init(t);
         for (int again = 0; again < 2; again++) {
@@ -733,8 +733,8 @@ START_TEST(dense_output_joins)
             mpq_set_ui(t, 0, 1);
         }
         mpq_clear(t);
-        vector_free(x, 6);
-        vector_free(first, 6);
+        cns_vector_free(x);
+        cns_vector_free(first);
         cns_flow_free(f);
     }
     numbers_free(x0, 6);
@@ -810,7 +810,7 @@ START_TEST(verify_finds_a_wrong_branch)
         cns_flow_spec spec = taylor_spec(finished(p), 30);
         spec.verify = verify;
         cns_flow *f = flow_started(&spec, zeros);
-        mpfr_t *x = vector_new(2, spec.prec);
+        mpfr_t *x = cns_vector_xnew(2, spec.prec);
         cns_error err;
         cns_code code = try_flow_to(f, "2", x, &err);
         if (verify) {
@@ -820,7 +820,7 @@ START_TEST(verify_finds_a_wrong_branch)
             ck_assert_int_eq(code, CNS_OK);
             check_value(x[1], "0", 25, "the wrong branch");
         }
-        vector_free(x, 2);
+        cns_vector_free(x);
         cns_flow_free(f);
         cns_program_free(p);
     }

@@ -17,7 +17,7 @@ enum { ORDER = 16, ORACLE_BITS = 900 };
 
 static void series_product(mpfr_t *w, mpfr_t *a, mpfr_t *b, int n) /* w may be a or b */
 {
-    mpfr_t *c = vector_new(n + 1, ORACLE_BITS);
+    mpfr_t *c = cns_vector_xnew(n + 1, ORACLE_BITS);
     mpfr_t term;
     mpfr_init2(term, ORACLE_BITS);
     for (int i = 0; i <= n; i++)
@@ -28,13 +28,13 @@ static void series_product(mpfr_t *w, mpfr_t *a, mpfr_t *b, int n) /* w may be a
     for (int k = 0; k <= n; k++)
         mpfr_set(w[k], c[k], MPFR_RNDN);
     mpfr_clear(term);
-    vector_free(c, n + 1);
+    cns_vector_free(c);
 }
 
 /* w = sum_j f[j] (u - u_0)^j. */
 static void series_compose(mpfr_t *w, mpfr_t *f, mpfr_t *u, int n)
 {
-    mpfr_t *d = vector_new(n + 1, ORACLE_BITS), *sum = vector_new(n + 1, ORACLE_BITS);
+    mpfr_t *d = cns_vector_xnew(n + 1, ORACLE_BITS), *sum = cns_vector_xnew(n + 1, ORACLE_BITS);
     for (int k = 1; k <= n; k++)
         mpfr_set(d[k], u[k], MPFR_RNDN);
     mpfr_set(sum[0], f[n], MPFR_RNDN);
@@ -44,14 +44,14 @@ static void series_compose(mpfr_t *w, mpfr_t *f, mpfr_t *u, int n)
     }
     for (int k = 0; k <= n; k++)
         mpfr_set(w[k], sum[k], MPFR_RNDN);
-    vector_free(d, n + 1);
-    vector_free(sum, n + 1);
+    cns_vector_free(d);
+    cns_vector_free(sum);
 }
 
 /* u^(p/q): f[j+1] = f[j] (p/q - j) / ((j+1) u_0). */
 static void series_power(mpfr_t *w, mpfr_t *u, int n, long p, long q)
 {
-    mpfr_t *f = vector_new(n + 1, ORACLE_BITS);
+    mpfr_t *f = cns_vector_xnew(n + 1, ORACLE_BITS);
     mpfr_t x;
     mpfr_init2(x, ORACLE_BITS);
     mpfr_set_si(x, p, MPFR_RNDN);
@@ -68,13 +68,13 @@ static void series_power(mpfr_t *w, mpfr_t *u, int n, long p, long q)
     }
     series_compose(w, f, u, n);
     mpfr_clear(x);
-    vector_free(f, n + 1);
+    cns_vector_free(f);
 }
 
 /* exp, or with quarter turns: sine (0), cosine (1). */
 static void series_sine(mpfr_t *w, mpfr_t *u, int n, int turns)
 {
-    mpfr_t *f = vector_new(n + 1, ORACLE_BITS);
+    mpfr_t *f = cns_vector_xnew(n + 1, ORACLE_BITS);
     mpfr_t s, c;
     mpfr_inits2(ORACLE_BITS, s, c, (mpfr_ptr)0);
     mpfr_sin_cos(s, c, u[0], MPFR_RNDN);
@@ -88,22 +88,22 @@ static void series_sine(mpfr_t *w, mpfr_t *u, int n, int turns)
     }
     series_compose(w, f, u, n);
     mpfr_clears(s, c, (mpfr_ptr)0);
-    vector_free(f, n + 1);
+    cns_vector_free(f);
 }
 
 static void series_exp(mpfr_t *w, mpfr_t *u, int n)
 {
-    mpfr_t *f = vector_new(n + 1, ORACLE_BITS);
+    mpfr_t *f = cns_vector_xnew(n + 1, ORACLE_BITS);
     mpfr_exp(f[0], u[0], MPFR_RNDN);
     for (int j = 1; j <= n; j++)
         mpfr_div_ui(f[j], f[j - 1], (unsigned long)j, MPFR_RNDN);
     series_compose(w, f, u, n);
-    vector_free(f, n + 1);
+    cns_vector_free(f);
 }
 
 static void series_log(mpfr_t *w, mpfr_t *u, int n)
 {
-    mpfr_t *f = vector_new(n + 1, ORACLE_BITS);
+    mpfr_t *f = cns_vector_xnew(n + 1, ORACLE_BITS);
     mpfr_t x;
     mpfr_init2(x, ORACLE_BITS);
     mpfr_log(f[0], u[0], MPFR_RNDN);
@@ -115,7 +115,7 @@ static void series_log(mpfr_t *w, mpfr_t *u, int n)
     }
     series_compose(w, f, u, n);
     mpfr_clear(x);
-    vector_free(f, n + 1);
+    cns_vector_free(f);
 }
 
 /* The operations: how a program is built from nodes a and b, and the oracle. */
@@ -184,12 +184,12 @@ static void oracle_sqrt(mpfr_t *w, mpfr_t *a, mpfr_t *b, int n)
 }
 static void oracle_hypot(mpfr_t *w, mpfr_t *a, mpfr_t *b, int n)
 {
-    mpfr_t *q = vector_new(n + 1, ORACLE_BITS);
+    mpfr_t *q = cns_vector_xnew(n + 1, ORACLE_BITS);
     series_product(q, a, a, n);
     series_product(w, b, b, n);
     oracle_add(q, q, w, n);
     series_power(w, q, n, 1, 2);
-    vector_free(q, n + 1);
+    cns_vector_free(q);
 }
 static void oracle_sin(mpfr_t *w, mpfr_t *a, mpfr_t *b, int n)
 {
@@ -220,7 +220,7 @@ static void oracle_abs(mpfr_t *w, mpfr_t *a, mpfr_t *b, int n)
 static void oracle_smooth_abs(mpfr_t *w, mpfr_t *a, mpfr_t *b, int n)
 {
     (void)b;
-    mpfr_t *q = vector_new(n + 1, ORACLE_BITS), eps;
+    mpfr_t *q = cns_vector_xnew(n + 1, ORACLE_BITS), eps;
     mpfr_init2(eps, ORACLE_BITS);
     mpfr_set_ui(eps, 3, MPFR_RNDN);
     mpfr_div_ui(eps, eps, 7, MPFR_RNDN);
@@ -229,7 +229,7 @@ static void oracle_smooth_abs(mpfr_t *w, mpfr_t *a, mpfr_t *b, int n)
     mpfr_add(q[0], q[0], eps, MPFR_RNDN);
     series_power(w, q, n, 1, 2);
     mpfr_clear(eps);
-    vector_free(q, n + 1);
+    cns_vector_free(q);
 }
 static cns_node build_sin(cns_program *p, cns_node a, cns_node b)
 {
@@ -307,7 +307,7 @@ static cns_node build_nested(cns_program *p, cns_node a, cns_node b)
 }
 static void oracle_nested(mpfr_t *w, mpfr_t *a, mpfr_t *b, int n)
 {
-    mpfr_t *x = vector_new(n + 1, ORACLE_BITS);
+    mpfr_t *x = cns_vector_xnew(n + 1, ORACLE_BITS);
     series_product(w, a, b, n);
     series_product(x, a, a, n);
     oracle_add(w, w, x, n);
@@ -318,7 +318,7 @@ static void oracle_nested(mpfr_t *w, mpfr_t *a, mpfr_t *b, int n)
         mpfr_sub(x[k], x[k], w[k], MPFR_RNDN);
     }
     oracle_div(w, x, b, n);
-    vector_free(x, n + 1);
+    cns_vector_free(x);
 }
 /* Aliased operands. */
 static cns_node build_a_plus_a(cns_program *p, cns_node a, cns_node b)
@@ -484,8 +484,8 @@ START_TEST(agrees_with_the_oracle)
     const cns_arith_ops *ops = arithmetics[_i / OPERATIONS].ops;
     mpfr_prec_t prec = arithmetics[_i / OPERATIONS].prec;
     uint64_t s = test_seed() + (uint64_t)_i;
-    mpfr_t *a = vector_new(CHAIN, ORACLE_BITS), *b = vector_new(CHAIN, ORACLE_BITS);
-    mpfr_t *w = vector_new(CHAIN, ORACLE_BITS), *oracle = vector_new(CHAIN, ORACLE_BITS);
+    mpfr_t *a = cns_vector_xnew(CHAIN, ORACLE_BITS), *b = cns_vector_xnew(CHAIN, ORACLE_BITS);
+    mpfr_t *w = cns_vector_xnew(CHAIN, ORACLE_BITS), *oracle = cns_vector_xnew(CHAIN, ORACLE_BITS);
     mpfr_t x;
     mpfr_init2(x, prec);
     mpfr_set_zero(x, 1);
@@ -520,10 +520,10 @@ START_TEST(agrees_with_the_oracle)
         cns_program_free(p);
     }
     mpfr_clear(x);
-    vector_free(a, CHAIN);
-    vector_free(b, CHAIN);
-    vector_free(w, CHAIN);
-    vector_free(oracle, CHAIN);
+    cns_vector_free(a);
+    cns_vector_free(b);
+    cns_vector_free(w);
+    cns_vector_free(oracle);
 }
 END_TEST
 
@@ -572,8 +572,8 @@ START_TEST(runs_ahead_of_leading_zeros)
     operation op = {.name = leading[row].name, .build = leading[row].build};
     if (leading[row].oracle == oracle_smooth_abs)
         op.smooth = "3/7";
-    mpfr_t *a = vector_new(CHAIN, ORACLE_BITS), *b = vector_new(CHAIN, ORACLE_BITS);
-    mpfr_t *w = vector_new(CHAIN, ORACLE_BITS), *oracle = vector_new(CHAIN, ORACLE_BITS);
+    mpfr_t *a = cns_vector_xnew(CHAIN, ORACLE_BITS), *b = cns_vector_xnew(CHAIN, ORACLE_BITS);
+    mpfr_t *w = cns_vector_xnew(CHAIN, ORACLE_BITS), *oracle = cns_vector_xnew(CHAIN, ORACLE_BITS);
     mpfr_t x;
     mpfr_init2(x, prec);
     mpfr_set_zero(x, 1);
@@ -605,10 +605,10 @@ START_TEST(runs_ahead_of_leading_zeros)
     cns_jet_free(J);
     cns_program_free(p);
     mpfr_clear(x);
-    vector_free(a, CHAIN);
-    vector_free(b, CHAIN);
-    vector_free(w, CHAIN);
-    vector_free(oracle, CHAIN);
+    cns_vector_free(a);
+    cns_vector_free(b);
+    cns_vector_free(w);
+    cns_vector_free(oracle);
 }
 END_TEST
 
@@ -619,8 +619,8 @@ START_TEST(the_sign_of_abs_is_the_first_coefficients)
     mpfr_prec_t prec = arithmetics[_i].prec;
     uint64_t s = test_seed() + 99 + (uint64_t)_i;
     operation op = {.build = build_abs};
-    mpfr_t *a = vector_new(CHAIN, ORACLE_BITS), *b = vector_new(CHAIN, ORACLE_BITS);
-    mpfr_t *w = vector_new(CHAIN, ORACLE_BITS);
+    mpfr_t *a = cns_vector_xnew(CHAIN, ORACLE_BITS), *b = cns_vector_xnew(CHAIN, ORACLE_BITS);
+    mpfr_t *w = cns_vector_xnew(CHAIN, ORACLE_BITS);
     mpfr_t x;
     mpfr_init2(x, prec);
     mpfr_set_zero(x, 1);
@@ -649,9 +649,9 @@ START_TEST(the_sign_of_abs_is_the_first_coefficients)
     cns_jet_free(J);
     cns_program_free(p);
     mpfr_clear(x);
-    vector_free(a, CHAIN);
-    vector_free(b, CHAIN);
-    vector_free(w, CHAIN);
+    cns_vector_free(a);
+    cns_vector_free(b);
+    cns_vector_free(w);
 }
 END_TEST
 
@@ -662,8 +662,8 @@ START_TEST(signed_holds_from_order_zero)
     mpfr_prec_t prec = arithmetics[_i].prec;
     uint64_t s = test_seed() + 98 + (uint64_t)_i;
     operation op = {.build = build_signed};
-    mpfr_t *a = vector_new(CHAIN, ORACLE_BITS), *b = vector_new(CHAIN, ORACLE_BITS);
-    mpfr_t *w = vector_new(CHAIN, ORACLE_BITS);
+    mpfr_t *a = cns_vector_xnew(CHAIN, ORACLE_BITS), *b = cns_vector_xnew(CHAIN, ORACLE_BITS);
+    mpfr_t *w = cns_vector_xnew(CHAIN, ORACLE_BITS);
     mpfr_t x;
     mpfr_init2(x, prec);
     mpfr_set_zero(x, 1);
@@ -685,9 +685,9 @@ START_TEST(signed_holds_from_order_zero)
     cns_jet_free(J);
     cns_program_free(p);
     mpfr_clear(x);
-    vector_free(a, CHAIN);
-    vector_free(b, CHAIN);
-    vector_free(w, CHAIN);
+    cns_vector_free(a);
+    cns_vector_free(b);
+    cns_vector_free(w);
 }
 END_TEST
 
@@ -733,7 +733,7 @@ START_TEST(says_where_it_is_singular)
     int row = _i % SINGULAR;
     uint64_t s = test_seed() + 31 + (uint64_t)_i;
     operation op = {.build = singular[row].build};
-    mpfr_t *a = vector_new(CHAIN, ORACLE_BITS);
+    mpfr_t *a = cns_vector_xnew(CHAIN, ORACLE_BITS);
     mpfr_t x;
     mpfr_init2(x, prec);
     mpfr_set_zero(x, 1);
@@ -768,7 +768,7 @@ START_TEST(says_where_it_is_singular)
         cns_program_free(p);
     }
     mpfr_clear(x);
-    vector_free(a, CHAIN);
+    cns_vector_free(a);
 }
 END_TEST
 

@@ -140,7 +140,7 @@ START_TEST(growth_is_that_of_a_small_distance)
     cns_flow_spec spec = taylor_spec(cns_system_program(s), DIGITS);
     cns_number *x = numbers_new(6, disk);
     cns_flow *one = flow_new(&spec), *other = flow_new(&spec);
-    mpfr_t *a = vector_new(6, spec.prec), *b = vector_new(6, spec.prec);
+    mpfr_t *a = cns_vector_xnew(6, spec.prec), *b = cns_vector_xnew(6, spec.prec);
     mpq_t change;
     mpq_init(change);
     cns_flow_start(one, x);
@@ -165,8 +165,8 @@ START_TEST(growth_is_that_of_a_small_distance)
         ck_assert_int_gt(r.landings, 3);
     }
     mpq_clear(change);
-    vector_free(a, 6);
-    vector_free(b, 6);
+    cns_vector_free(a);
+    cns_vector_free(b);
     cns_flow_free(one);
     cns_flow_free(other);
     numbers_free(x, 6);

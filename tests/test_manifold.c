@@ -206,7 +206,7 @@ START_TEST(branch_on_kink)
     cns_fixed_point f;
     cns_branch b;
     mpfr_t energy, sine, cosine, c;
-    mpfr_t *x = vector_new(2, PREC);
+    mpfr_t *x = cns_vector_xnew(2, PREC);
     const char *mu = "3/5";
     bench_open(&u, &pendulum, "0", "1", 1);
     bench_set(&u, 0, mu);
@@ -235,7 +235,7 @@ START_TEST(branch_on_kink)
         mpfr_set(c, energy, MPFR_RNDN);
     }
     mpfr_clears(energy, sine, cosine, c, (mpfr_ptr)0);
-    vector_free(x, 2);
+    cns_vector_free(x);
     cns_branch_close(&b);
     cns_fixed_point_clear(&f);
     cns_reduced_close(&r);
@@ -355,7 +355,7 @@ static int goes_over(const char *inertia)
     check_ok(cns_tangent_program(p, 0, &field, &err), &err);
     const cns_flow_spec spec = taylor_spec(field, 50);
     cns_flow *f = flow_new(&spec);
-    mpfr_t *x = vector_new(4, 300);
+    mpfr_t *x = cns_vector_xnew(4, 300);
     mpfr_t pi, lambda, residue, k, c;
     mpfr_inits2(300, pi, lambda, residue, k, c, (mpfr_ptr)0);
     mpfr_const_pi(pi, MPFR_RNDN);
@@ -412,7 +412,7 @@ static int goes_over(const char *inertia)
         ck_assert(mpfr_cmp_ui(cns_flow_end(f), 1000) < 0);
     }
     mpfr_clears(pi, lambda, residue, k, c, v, I, low, high, w, t, (mpfr_ptr)0);
-    vector_free(x, 4);
+    cns_vector_free(x);
     cns_flow_free(f);
     cns_program_free(field);
     cns_program_free(p);

@@ -36,7 +36,7 @@ static void forget(void)
 {
     for (int i = 0; i < n_all; i++) {
         mpfr_clear(all[i].time);
-        vector_free(all[i].state, n_of);
+        cns_vector_free(all[i].state);
     }
     n_all = 0;
 }
@@ -64,7 +64,7 @@ static void collect(const cns_flow_spec *spec, const char *const *initial, cns_e
             *r = (record){.section = m->condition, .direction = m->direction, .k = m->k, .rate = m->rate};
             mpfr_init2(r->time, mpfr_get_prec(m->time));
             mpfr_set(r->time, m->time, MPFR_RNDN);
-            r->state = vector_new(n_of, cns_flow_prec(f));
+            r->state = cns_vector_xnew(n_of, cns_flow_prec(f));
             for (int j = 0; j < n_of; j++)
                 mpfr_set(r->state[j], m->state[j], MPFR_RNDN);
         }
@@ -245,7 +245,7 @@ START_TEST(falling_disk)
     cns_flow *f = flow_started(&spec, start);
     cns_error err;
     long landings = 0, changes = 0, zeros = 0, passes = 0, turns = 0;
-    mpfr_t *x = vector_new(6, 200);
+    mpfr_t *x = cns_vector_xnew(6, 200);
     mpq_t t;
     mpq_init(t);
     double last = sin(1.0);
@@ -276,7 +276,7 @@ START_TEST(falling_disk)
     ck_assert_int_gt(changes, 5);
     ck_assert_int_eq(passes, changes);
     mpq_clear(t);
-    vector_free(x, 6);
+    cns_vector_free(x);
     cns_flow_free(f);
     cns_program_free(p);
 }

@@ -16,14 +16,14 @@ typedef struct poly {
 
 static poly poly_new(long constant, mpfr_prec_t prec)
 {
-    poly p = {0, prec, vector_new(MAX_DEGREE + 1, prec)};
+    poly p = {0, prec, cns_vector_xnew(MAX_DEGREE + 1, prec)};
     mpfr_set_si(p.c[0], constant, MPFR_RNDN);
     return p;
 }
 
 static void poly_free(poly *p)
 {
-    vector_free(p->c, MAX_DEGREE + 1);
+    cns_vector_free(p->c);
 }
 
 /* p = p (t - r). */
@@ -46,7 +46,7 @@ static void times_root(poly *p, const mpfr_t r)
 static void times_quadratic(poly *p, const mpfr_t a, const mpfr_t b)
 {
     poly q = poly_new(1, p->prec);
-    mpfr_t *c = vector_new(MAX_DEGREE + 1, p->prec), x;
+    mpfr_t *c = cns_vector_xnew(MAX_DEGREE + 1, p->prec), x;
     mpfr_init2(x, p->prec);
     times_root(&q, a);
     times_root(&q, a);
@@ -60,7 +60,7 @@ static void times_quadratic(poly *p, const mpfr_t a, const mpfr_t b)
     for (int k = 0; k <= p->degree; k++)
         mpfr_set(p->c[k], c[k], MPFR_RNDN);
     mpfr_clear(x);
-    vector_free(c, MAX_DEGREE + 1);
+    cns_vector_free(c);
     poly_free(&q);
 }
 
@@ -333,7 +333,7 @@ START_TEST(high_degrees)
     poly_free(&p);
 
     p = poly_new(1, 500); /* Chebyshev's T_60(1 - t): roots 1 - cos((2j+1) pi/120) in (0, 2) */
-    mpfr_t *a = vector_new(61, 500), *b = vector_new(61, 500), *c = vector_new(61, 500);
+    mpfr_t *a = cns_vector_xnew(61, 500), *b = cns_vector_xnew(61, 500), *c = cns_vector_xnew(61, 500);
     mpfr_set_ui(a[0], 1, MPFR_RNDN);
     mpfr_set_ui(b[0], 1, MPFR_RNDN);
     mpfr_set_si(b[1], -1, MPFR_RNDN);
@@ -357,9 +357,9 @@ START_TEST(high_degrees)
     mpfr_cos(x, x, MPFR_RNDN);
     mpfr_ui_sub(x, 1, x, MPFR_RNDN);
     check_root(&p, "2", x, 300, "T_60");
-    vector_free(a, 61);
-    vector_free(b, 61);
-    vector_free(c, 61);
+    cns_vector_free(a);
+    cns_vector_free(b);
+    cns_vector_free(c);
     poly_free(&p);
     mpfr_clear(x);
 }

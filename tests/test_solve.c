@@ -472,7 +472,7 @@ END_TEST
 
 static void check_near(const table *t, int r, const char *file, double tolerance)
 {
-    mpfr_t *x = vector_new(MAX_STATES, 200);
+    mpfr_t *x = cns_vector_xnew(MAX_STATES, 200);
     reference_row(file, t->text[r][0], x, t->c->model->n_states);
     for (int i = 0; i < t->c->model->n_states; i++) {
         double d;
@@ -485,7 +485,7 @@ static void check_near(const table *t, int r, const char *file, double tolerance
         ck_assert_msg(d < tolerance, "t = %s, column %d: %s is off by %g", t->text[r][0], i + 1,
                       t->text[r][i + 1], d);
     }
-    vector_free(x, MAX_STATES);
+    cns_vector_free(x);
 }
 
 static const struct {

@@ -30,9 +30,9 @@ static void check_right_hand_side(const cns_program *p, const double *lower, con
     ck_assert_int_eq(cns_program_states(tangent), m);
     ck_assert_int_eq(cns_program_is_smooth(tangent), cns_program_is_smooth(p));
     cns_jet *J = jet_new(p, &cns_arith_mpfr, 1, PREC), *T = jet_new(tangent, &cns_arith_mpfr, 1, PREC);
-    mpfr_t *x = vector_new(n, PREC), *y = vector_new(n, PREC), *f = vector_new(n, PREC),
-           *g = vector_new(n, PREC);
-    mpfr_t *z = vector_new(m, PREC), *dz = vector_new(m, PREC);
+    mpfr_t *x = cns_vector_xnew(n, PREC), *y = cns_vector_xnew(n, PREC), *f = cns_vector_xnew(n, PREC),
+           *g = cns_vector_xnew(n, PREC);
+    mpfr_t *z = cns_vector_xnew(m, PREC), *dz = cns_vector_xnew(m, PREC);
     for (int i = 0; i < n; i++)
         mpfr_set_d(x[i], lower[i] + (upper[i] - lower[i]) * test_random_unit(s), MPFR_RNDN);
     for (int i = 0; i < d; i++)
@@ -64,12 +64,12 @@ static void check_right_hand_side(const cns_program *p, const double *lower, con
     cns_jet_free(J);
     cns_jet_free(T);
     cns_program_free(tangent);
-    vector_free(x, n);
-    vector_free(y, n);
-    vector_free(f, n);
-    vector_free(g, n);
-    vector_free(z, m);
-    vector_free(dz, m);
+    cns_vector_free(x);
+    cns_vector_free(y);
+    cns_vector_free(f);
+    cns_vector_free(g);
+    cns_vector_free(z);
+    cns_vector_free(dz);
 }
 
 static const double ones[MAX_STATES] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
@@ -172,15 +172,15 @@ START_TEST(by_hand)
     cns_derivative(p, 1, cns_add(p, cns_constant(p, "5"), cns_mul(p, cns_constant(p, "3"), x)));
     check_ok(cns_tangent_program(finished(p), 1, &tangent, &err), &err);
     cns_jet *J = jet_new(tangent, &cns_arith_mpfr, 1, 100);
-    mpfr_t *z = vector_new(4, 100), *f = vector_new(4, 100);
+    mpfr_t *z = cns_vector_xnew(4, 100), *f = cns_vector_xnew(4, 100);
     for (int i = 0; i < 4; i++)
         mpfr_set_si(z[i], i + 2, MPFR_RNDN); /* x = 2, y = 3, dx = 4, dy = 5 */
     right_hand_side(J, 4, z, f);
     static const long expected[] = {6, 11, 4 * 3 + 2 * 5, 12};
     for (int i = 0; i < 4; i++)
         ck_assert_int_eq(mpfr_cmp_si(f[i], expected[i]), 0);
-    vector_free(z, 4);
-    vector_free(f, 4);
+    cns_vector_free(z);
+    cns_vector_free(f);
     cns_jet_free(J);
     cns_program_free(tangent);
     cns_program_free(p);
@@ -226,7 +226,7 @@ START_TEST(follows_the_flow)
     cns_error err;
     check_ok(cns_tangent_program(p, 1, &tangent, &err), &err);
     cns_flow_spec spec = taylor_spec(p, DIGITS), tangent_spec = taylor_spec(tangent, DIGITS);
-    mpfr_t *x[2], *z = vector_new(2 * d, spec.prec), eps;
+    mpfr_t *x[2], *z = cns_vector_xnew(2 * d, spec.prec), eps;
     cns_number *start = numbers_new(n, flows[_i].initial), *v = numbers_new(d, direction);
     cns_number *both = malloc((size_t)(2 * d) * sizeof *both);
     mpq_t small, change;
@@ -250,7 +250,7 @@ START_TEST(follows_the_flow)
                 mpq_neg(change, change);
             mpq_add(start[index[i]].ratio, start[index[i]].ratio, change);
         }
-        x[side] = vector_new(n, spec.prec);
+        x[side] = cns_vector_xnew(n, spec.prec);
         f = flow_new(&spec);
         cns_flow_start(f, start);
         flow_to(f, flows[_i].t, x[side]);
@@ -274,9 +274,9 @@ START_TEST(follows_the_flow)
     }
     mpfr_clear(eps);
     mpq_clears(small, change, (mpq_ptr)0);
-    vector_free(x[0], n);
-    vector_free(x[1], n);
-    vector_free(z, 2 * d);
+    cns_vector_free(x[0]);
+    cns_vector_free(x[1]);
+    cns_vector_free(z);
     free(both);
     numbers_free(start, n);
     numbers_free(v, d);

@@ -298,7 +298,7 @@ START_TEST(digits_kept)
     ck_assert_int_eq(spec.round_digits, DIGITS);
     ck_assert_int_gt(spec.prec, cns_digits_to_bits(DIGITS + 10));
     cns_flow *f = flow_started(&spec, initial);
-    mpfr_t want, *inner = vector_new(MAX_STATES, spec.prec);
+    mpfr_t want, *inner = cns_vector_xnew(MAX_STATES, spec.prec);
     mpq_t middle;
     mpq_init(middle);
     mpfr_init2(want, spec.prec);
@@ -331,7 +331,7 @@ START_TEST(digits_kept)
     ck_assert_int_gt(longer, 20);
     mpq_clear(middle);
     mpfr_clear(want);
-    vector_free(inner, MAX_STATES);
+    cns_vector_free(inner);
     cns_flow_free(f);
     numerics_clear(&n);
     cns_system_free(system);

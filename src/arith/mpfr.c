@@ -1,15 +1,15 @@
 /* MPFR: every single operation correctly rounded to the working precision. The reference arithmetic. */
-#include <stdint.h>
+#include <limits.h>
 #include <stdlib.h>
 
 #include "arith.h"
+#include "num/vector.h"
 
 struct cns_arith {
     cns_arith_spec spec;
     double H;
     mpfr_t acc, term, half;
-    mpfr_t *c;        /* coefficient k of series a is c[a (order+1) + k] */
-    mp_limb_t *limbs; /* their significands, contiguous */
+    mpfr_t *c; /* coefficient k of series a is c[a (order+1) + k] */
 };
 
 static mpfr_ptr at(const cns_arith *A, int a, int k)
@@ -21,52 +21,31 @@ static void destroy(cns_arith *A)
 {
     if (!A)
         return;
-    if (A->limbs) {
-        mpfr_clear(A->acc);
-        mpfr_clear(A->term);
-        mpfr_clear(A->half);
-    }
-    free(A->c);
-    free(A->limbs);
+    mpfr_clears(A->acc, A->term, A->half, (mpfr_ptr)0);
+    cns_vector_free(A->c);
     free(A);
 }
 
 static cns_arith *create(const cns_arith_spec *spec, cns_error *err)
 {
     cns_arith *A = calloc(1, sizeof *A);
-    size_t n = (size_t)spec->series * ((size_t)spec->order + 1);
-    size_t bytes = mpfr_custom_get_size(spec->prec);
-    if (A) {
-        A->spec = *spec;
-        A->H = 1;
-        A->c = malloc(n * sizeof *A->c);
-        A->limbs = n <= SIZE_MAX / bytes ? malloc(n * bytes) : NULL;
-    }
-    if (!A || !A->c || !A->limbs) {
+    const size_t n = (size_t)spec->series * ((size_t)spec->order + 1);
+    mpfr_t *c = n <= INT_MAX ? cns_vector_new((int)n, spec->prec) : NULL;
+    if (!A || !c) {
         cns_fail(err, CNS_MEMORY, "out of memory: %d series of order %d at %ld bits", spec->series,
                  spec->order, (long)spec->prec);
-        if (A) {
-            free(A->c);
-            free(A->limbs);
-            free(A);
-        }
+        cns_vector_free(c);
+        free(A);
         return NULL;
     }
-    for (size_t i = 0; i < n; i++) {
-        void *significand = (char *)A->limbs + i * bytes;
-        mpfr_custom_init(significand, spec->prec);
-        mpfr_custom_init_set(A->c[i], MPFR_ZERO_KIND, 0, spec->prec, significand);
-    }
-    mpfr_init2(A->acc, spec->prec);
-    mpfr_init2(A->term, spec->prec);
-    mpfr_init2(A->half, spec->prec);
+    *A = (cns_arith){.spec = *spec, .H = 1, .c = c};
+    mpfr_inits2(spec->prec, A->acc, A->term, A->half, (mpfr_ptr)0);
     return A;
 }
 
 static size_t bytes(const cns_arith *A)
 {
-    const size_t n = (size_t)A->spec.series * ((size_t)A->spec.order + 1);
-    return n * (sizeof *A->c + mpfr_custom_get_size(A->spec.prec));
+    return cns_vector_bytes(A->spec.series * (A->spec.order + 1), A->spec.prec);
 }
 
 static void begin(cns_arith *A, double H)

@@ -100,9 +100,9 @@ void cns_flow_free(cns_flow *f)
     if (f->stepper)
         f->ops->destroy(f->stepper);
     cns_jet_free(f->check);
-    cns_vector_free(f->x0, f->n);
-    cns_vector_free(f->x1, f->n);
-    cns_vector_free(f->derivative, f->n);
+    cns_vector_free(f->x0);
+    cns_vector_free(f->x1);
+    cns_vector_free(f->derivative);
     mpfr_clears(f->t0, f->t1, f->tau, f->last.h, f->tolerance, f->difference, (mpfr_ptr)0);
     mpq_clears(f->grid, f->step, (mpq_ptr)0);
     free(f);

@@ -77,10 +77,10 @@ cns_meetings *cns_meetings_new(const cns_event_condition *condition, int n, int 
     return s;
 }
 
-static void free_meeting(cns_meeting *m, int n_states)
+static void free_meeting(cns_meeting *m)
 {
     mpfr_clear(m->time);
-    cns_vector_free(m->state, n_states);
+    cns_vector_free(m->state);
 }
 
 void cns_meetings_free(cns_meetings *s)
@@ -90,10 +90,10 @@ void cns_meetings_free(cns_meetings *s)
     for (int i = 0; i < s->n; i++)
         cns_event_condition_clear(&s->condition[i]);
     for (int i = 0; i < s->room; i++)
-        free_meeting(&s->meeting[i], s->n_states);
-    cns_vector_free(s->p, s->size);
-    cns_vector_free(s->q, s->size);
-    cns_vector_free(s->d, s->size);
+        free_meeting(&s->meeting[i]);
+    cns_vector_free(s->p);
+    cns_vector_free(s->q);
+    cns_vector_free(s->d);
     mpfr_clears(s->value, s->unit, s->end, s->root, s->base, s->rest, s->x, s->y, s->curve, s->tolerance,
                 (mpfr_ptr)0);
     for (int i = 0; i < MOST_ROOTS; i++)
@@ -126,9 +126,9 @@ static cns_code make_room(cns_meetings *s, int coefficients, cns_error *err)
 {
     if (coefficients <= s->size)
         return CNS_OK;
-    cns_vector_free(s->p, s->size);
-    cns_vector_free(s->q, s->size);
-    cns_vector_free(s->d, s->size);
+    cns_vector_free(s->p);
+    cns_vector_free(s->q);
+    cns_vector_free(s->d);
     s->size = coefficients;
     s->p = cns_vector_new(coefficients, s->prec);
     s->q = cns_vector_new(coefficients, s->prec);

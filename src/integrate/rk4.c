@@ -25,11 +25,11 @@ static void destroy(cns_stepper *s)
     if (!s)
         return;
     cns_jet_free(s->jet);
-    cns_vector_free(s->x, s->n);
-    cns_vector_free(s->y, s->n);
-    cns_vector_free(s->f0, s->n);
-    cns_vector_free(s->f1, s->n);
-    cns_vector_free(s->cubic, CUBIC + 1);
+    cns_vector_free(s->x);
+    cns_vector_free(s->y);
+    cns_vector_free(s->f0);
+    cns_vector_free(s->f1);
+    cns_vector_free(s->cubic);
     mpfr_clears(s->h, s->a, s->b, (mpfr_ptr)0);
     free(s);
 }

@@ -87,7 +87,7 @@ static bool visit_halves(search *s, mpfr_t *b, const mpfr_t left, int depth)
     }
     bool done = visit(s, l, left, depth + 1) || visit(s, b, middle, depth + 1);
     mpfr_clear(middle);
-    cns_vector_free(l, n + 1);
+    cns_vector_free(l);
     return done;
 }
 
@@ -179,7 +179,7 @@ static cns_code isolate(mpfr_t from, mpfr_t to, bool *found, bool *decided, mpfr
     mpfr_set(from, s.from, MPFR_RNDN);
     mpfr_set(to, s.to, MPFR_RNDN);
     bool failed = !b || s.out_of_memory;
-    cns_vector_free(b, s.degree + 1);
+    cns_vector_free(b);
     mpfr_clears(s.noise, s.scratch, s.from, s.to, origin, (mpfr_ptr)0);
     return failed ? cns_out_of_memory(err) : CNS_OK;
 }
@@ -253,6 +253,6 @@ cns_code cns_first_root(mpfr_t root, bool *found, mpfr_t *p, int degree, const m
         mpfr_mul(root, u, h, MPFR_RNDN);
     }
     mpfr_clears(power, from, to, u, (mpfr_ptr)0);
-    cns_vector_free(a, degree + 1);
+    cns_vector_free(a);
     return code;
 }

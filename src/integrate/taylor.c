@@ -57,8 +57,8 @@ static void destroy(cns_stepper *s)
     cns_jet_free(s->plain);
     cns_jet_free(s->fast);
     cns_jet_free(s->scout);
-    cns_vector_free(s->poly, s->n * (s->spec.order + 1));
-    cns_vector_free(s->watch, s->spec.order + 1);
+    cns_vector_free(s->poly);
+    cns_vector_free(s->watch);
     free(s->landed_on);
     mpfr_clears(s->tau, s->root, s->sum, s->term, (mpfr_ptr)0);
     free(s);
@@ -464,10 +464,8 @@ static void choose_accuracy(cns_stepper *s, double t)
     s->prec = prec;
     s->tolerance_log2 = cns_digits_to_tolerance(digits);
     s->order_asked = cns_order_for(s->tolerance_log2, s->spec.arithmetic);
-    for (int i = 0; i < s->n * (s->spec.order + 1); i++)
-        mpfr_set_prec(s->poly[i], prec);
-    for (int k = 0; k <= s->spec.order; k++)
-        mpfr_set_prec(s->watch[k], prec);
+    cns_vector_set_prec(s->poly, s->n * (s->spec.order + 1), prec);
+    cns_vector_set_prec(s->watch, s->spec.order + 1, prec);
     mpfr_set_prec(s->tau, prec);
     mpfr_set_prec(s->root, prec);
     mpfr_set_prec(s->sum, prec);

@@ -34,8 +34,8 @@ bool cns_sample_init(cns_sample *s, const cns_program *p, mpfr_prec_t prec)
 
 void cns_sample_clear(cns_sample *s)
 {
-    cns_vector_free(s->state, s->n_states);
-    cns_vector_free(s->output, s->n_outputs);
+    cns_vector_free(s->state);
+    cns_vector_free(s->output);
     s->state = s->output = NULL;
 }
 

@@ -52,7 +52,7 @@ void cns_found_move(cns_found_list *to, cns_found_list *from)
 void cns_found_drop(cns_found_list *l, int i)
 {
     mpfr_clear(l->at[i].m.time);
-    cns_vector_free(l->at[i].m.state, l->n_states);
+    cns_vector_free(l->at[i].m.state);
     for (; i > l->first; i--)
         l->at[i] = l->at[i - 1];
     l->first++;

@@ -32,9 +32,9 @@ static void close_map(map *m)
     for (int i = 0; m->start != NULL && i < m->states; i++)
         cns_number_clear(&m->start[i]);
     free(m->start);
-    cns_vector_free(m->r, m->d);
-    cns_vector_free(m->D, m->d * m->d);
-    cns_vector_free(m->f, m->d);
+    cns_vector_free(m->r);
+    cns_vector_free(m->D);
+    cns_vector_free(m->f);
     cns_jet_free(m->field);
     cns_trajectory_free(m->trajectory);
     cns_program_free(m->tangent);
@@ -259,7 +259,7 @@ cns_code cns_cycle_find(const cns_return_map *S, const mpfr_t *z, int returns, i
 
 void cns_cycle_clear(cns_cycle *c)
 {
-    cns_vector_free(c->z, c->d);
+    cns_vector_free(c->z);
     if (c->z != NULL)
         mpfr_clear(c->time);
     c->z = NULL;

@@ -214,7 +214,7 @@ typedef struct follower {
 
 static void close_follower(follower *F)
 {
-    cns_vector_free(F->z, HISTORY * F->S->d);
+    cns_vector_free(F->z);
     cns_trajectory_free(F->trajectory);
     mpq_clear(F->time);
     mpfr_clear(F->x);
@@ -494,7 +494,7 @@ cns_code cns_late_find(const cns_return_map *S, long digits, double horizon, cns
 
 void cns_late_clear(cns_late *late)
 {
-    cns_vector_free(late->z, late->returns * late->d);
+    cns_vector_free(late->z);
     free(late->rest);
     free(late->moves);
     late->z = NULL;

@@ -184,7 +184,7 @@ cns_code cns_laws(const cns_problem *problem, const cns_laws_spec *spec, const c
     free(l.listed);
     free(results);
     free(l.identity);
-    cns_laws_reference_clear(&l.ref, l.n);
+    cns_laws_reference_clear(&l.ref);
     return code;
 }
 

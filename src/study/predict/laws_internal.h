@@ -72,7 +72,7 @@ cns_flow_spec cns_laws_taylor(const cns_laws_work *l, const cns_system *s, long 
 void cns_falling_init(cns_falling *f, long digits);
 void cns_falling_follow(cns_falling *f, double growth);
 cns_code cns_laws_make_reference(cns_laws_work *l, cns_error *err); /* instead of the one there was */
-void cns_laws_reference_clear(cns_law_reference *r, int n);
+void cns_laws_reference_clear(cns_law_reference *r);
 double cns_laws_growth_at(const cns_laws_work *l, double t);
 
 /* Runs. results[i] is that of job listed[i]: "tc T", "beyond" with log10 of the largest distance, or "failed"

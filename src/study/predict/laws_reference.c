@@ -55,9 +55,9 @@ void cns_falling_follow(cns_falling *f, double growth)
         f->digits = left;
 }
 
-void cns_laws_reference_clear(cns_law_reference *r, int n)
+void cns_laws_reference_clear(cns_law_reference *r)
 {
-    cns_vector_free(r->state, r->rows * n);
+    cns_vector_free(r->state);
     free(r->growth);
     free(r->error);
     *r = (cns_law_reference){0};
@@ -181,7 +181,7 @@ static cns_code rows_are_close(const cns_laws_work *l, cns_error *err)
 cns_code cns_laws_make_reference(cns_laws_work *l, cns_error *err)
 {
     char *result = NULL;
-    cns_laws_reference_clear(&l->ref, l->n);
+    cns_laws_reference_clear(&l->ref);
     l->ref.digits = (long)ceil(l->level - l->delta_log10 - 1e-6) + SPARE;
     l->base = 0;
     l->span = 0.2;

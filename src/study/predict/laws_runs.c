@@ -210,8 +210,8 @@ static cns_code compare(const cns_laws_work *l, const cns_law_job *j, cns_flow *
         cns_ensemble_tell(told, fmin(0.99, row * l->every / j->predicted));
     }
     *apart = cns_log2_mpfr(largest) * CNS_LOG10_2;
-    cns_vector_free(now, l->n);
-    cns_vector_free(before, l->n);
+    cns_vector_free(now);
+    cns_vector_free(before);
     mpfr_clears(d, largest, (mpfr_ptr)0);
     mpq_clear(time);
     return code;
@@ -280,8 +280,8 @@ cns_code cns_laws_probe(const cns_laws_work *l, const cns_law_job *first, double
         distance(l, (const mpfr_t *)a, (const mpfr_t *)b, d);
         *truncation = fmax(*truncation, cns_log2_mpfr(d) * CNS_LOG10_2);
     }
-    cns_vector_free(a, l->n);
-    cns_vector_free(b, l->n);
+    cns_vector_free(a);
+    cns_vector_free(b);
     mpfr_clear(d);
     mpq_clear(time);
     cns_flow_free(f);

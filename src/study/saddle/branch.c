@@ -180,7 +180,7 @@ static cns_code check(const cns_branch *b, const cns_reduced *r, const double *s
     mpfr_t at, slope, f;
     if (J == NULL || x == NULL) {
         cns_jet_free(J);
-        cns_vector_free(x, b->d);
+        cns_vector_free(x);
         return cns_out_of_memory(err);
     }
     cns_code code = CNS_OK;
@@ -206,7 +206,7 @@ static cns_code check(const cns_branch *b, const cns_reduced *r, const double *s
         }
     }
     mpfr_clears(at, slope, f, (mpfr_ptr)0);
-    cns_vector_free(x, b->d);
+    cns_vector_free(x);
     cns_jet_free(J);
     return code;
 }
@@ -229,7 +229,7 @@ cns_code cns_branch_open(cns_branch *b, const cns_reduced *r, const cns_fixed_po
 
 void cns_branch_close(cns_branch *b)
 {
-    cns_vector_free(b->p, b->d * (b->order + 1));
+    cns_vector_free(b->p);
     mpfr_clears(b->lambda, b->s, (mpfr_ptr)0);
 }
 

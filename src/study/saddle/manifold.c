@@ -95,7 +95,7 @@ static void add_image(probe *p, const image *from, const cns_model_symmetry *g, 
     to->turn = to->sign[p->along];
     for (int k = 0; k < p->n_images; k++)
         if (same_place(p, p->images[k].x, to->x)) {
-            cns_vector_free(to->x, p->d);
+            cns_vector_free(to->x);
             free(to->sign);
             *to = (image){0};
             return;
@@ -429,12 +429,12 @@ static void dispose(probe *p)
     if (p->saddle.x != NULL)
         cns_fixed_point_clear(&p->saddle);
     for (int k = 0; k < p->n_images; k++) {
-        cns_vector_free(p->images[k].x, p->d);
+        cns_vector_free(p->images[k].x);
         free(p->images[k].sign);
     }
-    cns_vector_free(p->row, p->d);
-    cns_vector_free(p->x, p->d);
-    cns_vector_free(p->difference, p->d);
+    cns_vector_free(p->row);
+    cns_vector_free(p->x);
+    cns_vector_free(p->difference);
     free(p->re);
     free(p->im);
     free(p->scales);
