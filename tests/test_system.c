@@ -102,6 +102,10 @@ START_TEST(what_cannot_be_a_system)
     m.states = flat;
     ck_assert_ptr_null(cns_system_parse(&m, none, &err));
     ck_assert_msg(strstr(err.text, "scale of state 'x'"), "%s", err.text);
+    m = polynomial_model(data);
+    m.n_outputs = 1; /* which build does not compute */
+    ck_assert_ptr_null(cns_system_parse(&m, none, &err));
+    ck_assert_msg(err.code == CNS_USAGE && strstr(err.text, "derived quantities"), "%s", err.text);
     static const char *const bad[] = {"1", "1..5", NULL}; /* the program's own failure */
     m = polynomial_model(bad);
     ck_assert_ptr_null(cns_system_parse(&m, none, &err));

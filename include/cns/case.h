@@ -1,4 +1,8 @@
-/* Case files: YAML that says what to compute. cases/README.md lists the keys. */
+/* Case files: YAML that says what to compute. cns_case_print_keys() and cases/README.md list the keys.
+ *
+ * The system of a case c is
+ *
+ *     cns_system_new(c->model, c->parameters, c->initial, c->smooth ? &c->eps : NULL, &err). */
 #ifndef CNS_CASE_H
 #define CNS_CASE_H
 
@@ -18,8 +22,7 @@ CNS_BEGIN_DECLS
 
 #define CNS_CASE_MAX_ROWS 10000000 /* end / every is at most that */
 
-/* What a case file says; src/io/case_keys.def lists the keys with their ranges. Without a section its fields
- * hold the defaults. */
+/* What a case file says. Without a section its fields hold the defaults. All belongs to the case. */
 typedef struct cns_case {
     char *name; /* of the file, "<stdin>" for standard input; control characters in it are '?' */
     char *text; /* its bytes, NUL-terminated; UTF-8 without control characters other than tab, CR, LF */
@@ -63,7 +66,7 @@ void cns_case_print(const cns_case *c, FILE *out);
 /* The keys of case files, with their ranges, defaults and meanings. */
 void cns_case_print_keys(FILE *out);
 
-const char *cns_case_column_name(const cns_case *c, int column);
+const char *cns_case_column_name(const cns_case *c, int column); /* "t", a state or a derived quantity */
 
 CNS_END_DECLS
 

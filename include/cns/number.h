@@ -32,9 +32,10 @@ typedef enum cns_places {
     CNS_PLACES_SIGNIFICANT /* so many significant digits: -1.23e-02; zero is 0 */
 } cns_places;
 
-void cns_number_init(cns_number *x); /* 0 */
+/* Every number is initialised before it is used and cleared afterwards. */
+void cns_number_init(cns_number *x); /* x = 0 */
 void cns_number_clear(cns_number *x);
-void cns_number_set(cns_number *x, const cns_number *y);
+void cns_number_set(cns_number *x, const cns_number *y); /* x = y, both initialised */
 
 /* x = text. CNS_USAGE, with x unchanged, when the text is not a number of the grammar. */
 cns_code cns_number_parse(cns_number *x, const char *text, cns_error *err);
@@ -43,12 +44,12 @@ cns_code cns_number_parse(cns_number *x, const char *text, cns_error *err);
 void cns_number_get_mpfr(mpfr_t y, const cns_number *x);
 
 double cns_number_get_d(const cns_number *x); /* for messages, predictions and limits only; may be infinite */
-int cns_number_sign(const cns_number *x);
+int cns_number_sign(const cns_number *x);     /* -1, 0, 1 */
 int cns_number_cmp(const cns_number *x, const cns_number *y); /* -1, 0, 1, exactly */
 bool cns_number_is_decimal(const cns_number *x);              /* a finite decimal: prints exactly */
 
-/* ratio * count, exactly, as a finite decimal without an exponent ("12.5"); a new string, or NULL when
- * it is not a finite decimal. Used for the times of rows. */
+/* x times count, x rational, as a finite decimal without an exponent ("12.5"): a new text, which free()
+ * frees, or NULL when it is not a finite decimal. */
 char *cns_number_multiple_text(const cns_number *x, unsigned long count);
 
 CNS_END_DECLS

@@ -10,26 +10,24 @@
 /* What stands between these two is the interface: callable from C++ too, and visible in the shared library,
  * where all other functions are hidden. So a function becomes public by its declaration in a public header,
  * and needs no mark of its own. */
+/* clang-format off */
 #ifdef __cplusplus
-#define CNS_BEGIN_DECLS                                                                                      \
-    _Pragma("GCC visibility push(default)") extern "C"                                                       \
-    {
-#define CNS_END_DECLS                                                                                        \
-    }                                                                                                        \
-    _Pragma("GCC visibility pop")
+#define CNS_BEGIN_DECLS _Pragma("GCC visibility push(default)") extern "C" {
+#define CNS_END_DECLS   } _Pragma("GCC visibility pop")
 #else
 #define CNS_BEGIN_DECLS _Pragma("GCC visibility push(default)")
 #define CNS_END_DECLS   _Pragma("GCC visibility pop")
 #endif
+/* clang-format on */
 
 CNS_BEGIN_DECLS
 
 typedef enum cns_code {
     CNS_OK = 0,
-    CNS_UNREACHED = 1, /* the asked decimals or bracket were not reached; the honest result stands */
-    CNS_USAGE = 2,     /* command line or case file */
-    CNS_NUMERIC = 3,   /* singularity, step underflow, range, or an error that the proof found */
-    CNS_IO = 4,        /* input or output */
+    CNS_UNREACHED = 1, /* not all that was asked for, such as decimals; what there is holds */
+    CNS_USAGE = 2,     /* a mistake in what was asked for: arguments, command line, case file */
+    CNS_NUMERIC = 3,   /* singularity, steps too small, out of range, or an error that the proof found */
+    CNS_IO = 4,        /* input or output failed */
     CNS_MEMORY = 5,    /* out of memory */
     CNS_STOPPED = 128  /* plus the number of the signal */
 } cns_code;

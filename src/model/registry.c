@@ -34,6 +34,9 @@ cns_code cns_model_program(const cns_model *m, const cns_number *parameters,
         return cns_out_of_memory(err);
     m->build(p, m);
     cns_code code = cns_program_finish(p, err);
+    if (!code && cns_program_outputs(p) != m->n_outputs)
+        code = cns_fail(err, CNS_USAGE, "model %s names %d derived quantities and computes %d", m->name,
+                        m->n_outputs, cns_program_outputs(p));
     if (code)
         cns_program_free(p);
     else

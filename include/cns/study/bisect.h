@@ -1,6 +1,7 @@
 /* Critical parameters: where the long-time behaviour of a system changes from one mode to another, to as many
- * decimals as asked for. By trajectory: the mode that the case's own trajectory falls into. By manifold: the
- * side on which a saddle's unstable manifold passes the next saddle (see manifold.h). */
+ * decimals as asked for. By trajectory: the mode that the system's own trajectory falls into. By manifold:
+ * the side on which the unstable manifold of a saddle passes the next saddle (the model's
+ * cns_model_connection says which saddle, and what the sides mean); at the critical value it runs into it. */
 #ifndef CNS_STUDY_BISECT_H
 #define CNS_STUDY_BISECT_H
 

@@ -3,15 +3,18 @@
  * The motion is watched where it passes a section: where its angle is a multiple of half a turn (in general,
  * of the model's turn), broadside on for a falling disk, or, for a model without an angle, where a state
  * rises through a level. Each return there is reduced by the model's symmetries, turns and the mirror image,
- * and the motion repeats when reduced returns do. Then: period    the least time after which the state
- * repeats, up to whole revolutions of the angle and up to place (states that nothing feeds back on); winding
- * whole revolutions of the angle in a period, signed; symmetry  what the motion does besides: `mirror` if
- * half a period makes it its own mirror image, `turn` if a part of a period turns it by less than a
- * revolution and otherwise repeats it, else `none`; returns   passages through the section until it repeats,
- * up to symmetry. The simplest flutter and the simplest tumble have one; two is what a period doubling makes
- * of that: the one meaning of `period two` here, whatever the symmetry does to the period in time.
+ * and the motion repeats when reduced returns do. Then:
  *
- * A mode is decided by the case's own trajectory, not by a nearby one: it is followed twice, with different
+ * - period: the least time after which the state repeats, up to whole revolutions of the angle and up to
+ * place (states that nothing feeds back on);
+ * - winding: whole revolutions of the angle in a period, signed;
+ * - symmetry, what the motion does besides: `mirror` if half a period makes it its own mirror image, `turn`
+ * if a part of a period turns it by less than a revolution and otherwise repeats it, else `none`;
+ * - returns: passages through the section until it repeats, up to symmetry. The simplest flutter and the
+ * simplest tumble have one; two is what a period doubling makes of that, whatever the symmetry does to the
+ * period in time.
+ *
+ * A mode is decided by the system's own trajectory, not by a nearby one: it is followed twice, with different
  * precisions, and with more digits where its noise could have grown to what decides (as near a saddle); the
  * cycle is then found by Newton's method with the variational equations and must attract, its multiplier
  * being less than one. What is found chaotic is so by its largest exponent, statistically: a positive one, by
@@ -71,6 +74,9 @@ typedef struct cns_motion {
     char *maximum[CNS_MOTION_EXTREMA]; /* chaos: six digits of a shadowing trajectory's, a sample */
 } cns_motion;
 
+/* *motion is to be cleared whatever is returned. That a motion is undecided is a result, not a failure.
+ * CNS_NUMERIC: the trajectory runs into a singularity; CNS_STOPPED; CNS_USAGE: less than two dynamic states.
+ */
 cns_code cns_classify(const cns_system *s, const cns_classify_spec *spec, const cns_monitor *monitor,
                       cns_motion *motion, cns_error *err);
 void cns_motion_clear(cns_motion *motion);

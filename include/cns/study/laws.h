@@ -51,7 +51,9 @@ typedef struct cns_laws_spec {
 
 typedef enum cns_law_kind { CNS_LAW_DIGITS, CNS_LAW_STEPS, CNS_LAW_SMOOTHING, CNS_LAW_KINDS } cns_law_kind;
 
-/* A straight line through points that fluctuate like a random walk: see study/predict/fit.h. */
+/* A straight line y = slope x + intercept through points that fluctuate like a random walk: growth is
+ * exponential on average only, and its fluctuation up to one T_c is part of that up to the next. So errors
+ * are not those of independent points, which would be several times too small. _se are standard errors. */
 typedef struct cns_fit {
     int n;
     double slope, intercept; /* ordinary least squares */

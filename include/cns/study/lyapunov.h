@@ -1,6 +1,6 @@
 /* The largest Lyapunov exponent of a trajectory, with its standard error.
  *
- * States and one tangent vector are integrated together (cns_tangent_program), in the arithmetic asked for,
+ * States and one tangent vector are integrated together, in the arithmetic asked for,
  * and the tangent is brought back to length 1 after every step by a power of two, exactly (G. Benettin,
  * L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9). With L(t) = ln |v(t)|,
  *

@@ -7,11 +7,11 @@
 CNS_BEGIN_DECLS
 
 typedef struct cns_sweep {
-    int parameter;
+    int parameter;             /* of the model */
     cns_number from, to, step; /* rational, step > 0, from <= to */
 } cns_sweep;
 
-#define CNS_SWEEP_MOST 1000000
+#define CNS_SWEEP_MOST 1000000 /* values */
 
 /* NAME=FROM:TO:STEP. After a success cns_sweep_clear() frees it. */
 cns_code cns_sweep_parse(cns_sweep *s, const cns_model *model, const char *text, cns_error *err);
@@ -24,8 +24,8 @@ int cns_sweep_count(const cns_sweep *s);
 
 /* rows[0..count-1]: new texts without a newline, NULL where a job was not done; they begin with the value of
  * the parameter, an exact decimal or a fraction. A value whose motion cannot be computed has the mode
- * `failed` and says why. directory: where every row is kept, so that
- * the same sweep again does what is missing; NULL: nowhere. */
+ * `failed` and says why. directory: where every row is kept, so that the same sweep again does what is
+ * missing; NULL: nowhere. */
 cns_code cns_sweep_run(const cns_system *s, const cns_sweep *sweep, const cns_classify_spec *spec,
                        const char *directory, const cns_monitor *monitor, char **rows, cns_error *err);
 
