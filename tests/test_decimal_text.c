@@ -416,6 +416,53 @@ START_TEST(random_certainty)
 }
 END_TEST
 
+static const struct {
+    const char *x, *text; /* NULL: x is no finite decimal */
+} exact[] = {{"25/2", "12.5"},    {"0", "0"},           {"300", "300"},
+             {"1/1000", "0.001"}, {"3/8", "0.375"},     {"-1/20", "-0.05"},
+             {"-5", "-5"},        {"1/3", NULL},        {"100/3", NULL},
+             {"1/30", NULL},      {"-7/250", "-0.028"}, {"1000000000000000000001", "1000000000000000000001"}};
+
+START_TEST(finite_decimals_are_exact)
+{
+    mpq_t x;
+    mpq_init(x);
+    ck_assert_int_eq(mpq_set_str(x, exact[_i].x, 10), 0);
+    char *text = cns_text_exact(x);
+    if (exact[_i].text == NULL)
+        ck_assert_ptr_null(text);
+    else
+        ck_assert_str_eq(text, exact[_i].text);
+    free(text);
+    mpq_clear(x);
+}
+END_TEST
+
+/* k 2^a 5^b, back from its text. */
+START_TEST(random_finite_decimals)
+{
+    uint64_t s = test_seed();
+    cns_number y;
+    mpq_t x;
+    mpq_init(x);
+    cns_number_init(&y);
+    for (int round = 0; round < 2000; round++) {
+        mpz_set_si(mpq_numref(x), (long)(test_random(&s) >> test_random_below(&s, 64)));
+        mpz_ui_pow_ui(mpq_denref(x), 5, test_random_below(&s, 40));
+        mpz_mul_2exp(mpq_denref(x), mpq_denref(x), test_random_below(&s, 40));
+        mpq_canonicalize(x);
+        char *text = cns_text_exact(x);
+        ck_assert_ptr_nonnull(text);
+        ck_assert(strpbrk(text, "eE") == NULL);
+        ck_assert_int_eq(cns_number_parse(&y, text, NULL), CNS_OK);
+        ck_assert_msg(mpq_equal(x, y.ratio), "%s", text);
+        free(text);
+    }
+    cns_number_clear(&y);
+    mpq_clear(x);
+}
+END_TEST
+
 Suite *suite_decimal_text(void)
 {
     Suite *suite = suite_create("decimal_text");
@@ -423,6 +470,8 @@ Suite *suite_decimal_text(void)
     tcase_add_test(tc, ties_go_to_even);
     tcase_add_test(tc, zero_has_no_sign);
     tcase_add_test(tc, multiples_of_pi);
+    add_table_test(tc, finite_decimals_are_exact, exact);
+    tcase_add_test(tc, random_finite_decimals);
     tcase_add_test(tc, random_numbers);
     tcase_add_test(tc, random_ties);
     suite_add_tcase(suite, tc);

@@ -320,66 +320,6 @@ START_TEST(compares)
 }
 END_TEST
 
-static void check_multiple(const char *text, unsigned long count, const char *wanted)
-{
-    cns_number x;
-    cns_number_init(&x);
-    parse(&x, text);
-    char *got = cns_number_multiple_text(&x, count);
-    if (wanted == NULL)
-        ck_assert_ptr_null(got);
-    else
-        ck_assert_str_eq(got, wanted);
-    free(got);
-    cns_number_clear(&x);
-}
-
-START_TEST(prints_multiples)
-{
-    check_multiple("0.5", 25, "12.5");
-    check_multiple("0.5", 0, "0");
-    check_multiple("0.5", 600, "300");
-    check_multiple("1e-3", 1, "0.001");
-    check_multiple("1/8", 3, "0.375");
-    check_multiple("-0.05", 1, "-0.05");
-    check_multiple("-2.50", 2, "-5");
-    check_multiple("1/3", 1, NULL);
-    check_multiple("1/3", 300, "100");
-    check_multiple("pi", 2, NULL);
-    check_multiple("pi", 0, "0");
-    check_multiple("1e20", 3, "300000000000000000000");
-}
-END_TEST
-
-START_TEST(multiples_read_back)
-{
-    uint64_t s = test_seed();
-    for (int round = 0; round < 2000; round++) {
-        char text[128];
-        cns_number x, y;
-        mpq_t q;
-        mpq_init(q);
-        cns_number_init(&x);
-        cns_number_init(&y);
-        random_decimal(&s, text, q);
-        parse(&x, text);
-        ck_assert(cns_number_is_decimal(&x));
-        unsigned long count = (unsigned long)(test_random(&s) >> test_random_below(&s, 64));
-        char *got = cns_number_multiple_text(&x, count);
-        ck_assert_ptr_nonnull(got);
-        ck_assert(strchr(got, 'e') == NULL);
-        parse(&y, got);
-        mpz_mul_ui(mpq_numref(q), mpq_numref(q), count);
-        mpq_canonicalize(q);
-        ck_assert_msg(mpq_equal(y.ratio, q), "%s * %lu: %s", text, count, got);
-        free(got);
-        mpq_clear(q);
-        cns_number_clear(&x);
-        cns_number_clear(&y);
-    }
-}
-END_TEST
-
 /* Random bytes of the alphabet of numbers: read or refused, never anything else. */
 START_TEST(survives_random_texts)
 {
@@ -416,8 +356,6 @@ Suite *suite_number(void)
     tcase_add_test(value, converts_correctly_rounded);
     tcase_add_test(value, converts_to_double);
     tcase_add_test(value, compares);
-    tcase_add_test(value, prints_multiples);
-    tcase_add_test(value, multiples_read_back);
     suite_add_tcase(suite, value);
     return suite;
 }

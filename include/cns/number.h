@@ -46,11 +46,6 @@ void cns_number_get_mpfr(mpfr_t y, const cns_number *x);
 double cns_number_get_d(const cns_number *x); /* for messages, predictions and limits only; may be infinite */
 int cns_number_sign(const cns_number *x);     /* -1, 0, 1 */
 int cns_number_cmp(const cns_number *x, const cns_number *y); /* -1, 0, 1, exactly */
-bool cns_number_is_decimal(const cns_number *x);              /* a finite decimal: prints exactly */
-
-/* x times count, x rational, as a finite decimal without an exponent ("12.5"): a new text, which free()
- * frees, or NULL when it is not a finite decimal. */
-char *cns_number_multiple_text(const cns_number *x, unsigned long count);
 
 CNS_END_DECLS
 

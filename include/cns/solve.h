@@ -58,7 +58,9 @@ typedef struct cns_run_info {
 } cns_run_info;
 
 typedef struct cns_row {
-    char **text;   /* one per column */
+    /* One per column. The time is exact where it is a finite decimal; else it is the fraction nearest to its
+     * text of those with a denominator up to that of `every` or, if that is larger, of `end`. */
+    char **text;
     long decimals; /* proven; -1: no proof */
     double growth;
 } cns_row;

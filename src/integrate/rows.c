@@ -1,18 +1,15 @@
 #include "rows.h"
 
 #include <limits.h>
+#include <stdlib.h>
 
 #include "num/decimal_text.h"
-
-static void multiple(const cns_number *every, unsigned long count, mpq_t time)
-{
-    mpq_set_ui(time, count, 1);
-    mpq_mul(time, time, every->ratio);
-}
+#include "num/fraction.h"
 
 bool cns_row_time(const cns_number *every, const cns_number *end, unsigned long row, mpq_t time)
 {
-    multiple(every, row, time);
+    mpq_set_ui(time, row, 1);
+    mpq_mul(time, time, every->ratio);
     if (mpq_cmp(time, end->ratio) < 0)
         return true;
     /* The end is a row, once: it is this one if the row before was not at the end yet. */
@@ -33,15 +30,33 @@ long cns_last_multiple(const cns_number *every, const cns_number *end)
     return last;
 }
 
-char *cns_row_time_text(const cns_number *every, const cns_number *end, unsigned long row, long decimals)
+static bool is_decimal(const cns_number *x)
 {
-    mpq_t time;
-    mpq_init(time);
-    multiple(every, row, time);
-    const bool at_end = mpq_cmp(time, end->ratio) > 0;
-    char *text = at_end ? cns_number_multiple_text(end, 1) : cns_number_multiple_text(every, row);
-    if (!text)
-        text = cns_text_mpq(at_end ? end->ratio : time, CNS_PLACES_DECIMALS, decimals > 6 ? decimals : 6);
-    mpq_clear(time);
-    return text;
+    char *text = cns_text_exact(x->ratio);
+    free(text);
+    return text != NULL;
+}
+
+void cns_time_form_init(cns_time_form *f, const cns_number *every, const cns_number *end)
+{
+    const bool between = cns_number_cmp(every, end) < 0; /* is there a row at `every`? */
+    mpz_init(f->denominator);
+    f->decimals = 0;
+    if (is_decimal(end) && (!between || is_decimal(every)))
+        return;
+    mpz_set(f->denominator, mpq_denref(end->ratio));
+    if (between && mpz_cmp(mpq_denref(every->ratio), f->denominator) > 0)
+        mpz_set(f->denominator, mpq_denref(every->ratio));
+    f->decimals = cns_fraction_decimals(f->denominator);
+}
+
+void cns_time_form_clear(cns_time_form *f)
+{
+    mpz_clear(f->denominator);
+}
+
+char *cns_time_text(const cns_time_form *f, mpq_srcptr time)
+{
+    char *text = cns_text_exact(time);
+    return text != NULL ? text : cns_text_mpq(time, CNS_PLACES_DECIMALS, f->decimals);
 }

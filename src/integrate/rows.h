@@ -11,8 +11,16 @@ bool cns_row_time(const cns_number *every, const cns_number *end, unsigned long 
 /* The number of the last row that is a multiple of `every`; LONG_MAX if it is not below that. */
 long cns_last_multiple(const cns_number *every, const cns_number *end);
 
-/* The time of an existing row as a new text: exact where it is a finite decimal, else with so many decimals
- * (at least six). */
-char *cns_row_time_text(const cns_number *every, const cns_number *end, unsigned long row, long decimals);
+/* How times are printed, so that each can be had back exactly whatever else the table has to say: finite
+ * decimals as they are, and others rounded to so many decimals that their text is nearest to them among all
+ * fractions with a denominator up to that of the times (num/fraction.h). */
+typedef struct cns_time_form {
+    mpz_t denominator; /* no time has a larger one; 0: all are finite decimals */
+    long decimals;
+} cns_time_form;
+
+void cns_time_form_init(cns_time_form *f, const cns_number *every, const cns_number *end);
+void cns_time_form_clear(cns_time_form *f);
+char *cns_time_text(const cns_time_form *f, mpq_srcptr time); /* a new text */
 
 #endif

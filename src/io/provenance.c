@@ -35,7 +35,7 @@ static void print_values(FILE *out, const cns_case *c)
 
 void cns_provenance_begin(FILE *out, const cns_case *c, const char *what, cns_provenance level)
 {
-    fprintf(out, "# cns %s: %s%s\n", CNS_VERSION, what, c->model->title);
+    fprintf(out, "# cns %s: %s%s\n# format: %d\n", CNS_VERSION, what, c->model->title, CNS_TABLE_FORMAT);
     if (level >= CNS_PROVENANCE_EQUATIONS)
         fprintf(out, "# equations: %s\n", c->model->source);
     fprintf(out, "# case: %s, SHA-256 %s\n", c->name, c->sha256);

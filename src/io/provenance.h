@@ -6,6 +6,9 @@
 
 #include "cns/case.h"
 
+/* What a reader of tables must know in order to read one; it changes when an older reader would go wrong. */
+#define CNS_TABLE_FORMAT 1
+
 /* How much of the case a table tells. Each level has the lines of those before it as well. */
 typedef enum cns_provenance {
     CNS_PROVENANCE_CASE,      /* the case file's name and SHA-256, and the overrides */
@@ -13,7 +16,9 @@ typedef enum cns_provenance {
     CNS_PROVENANCE_WHOLE      /* the case file's text, the parameters, the initial state, and abs */
 } cns_provenance;
 
-/* The first line is "# cns VERSION: " with `what` and the title of the model, as in "events of " or "". */
+/* The first two lines are "# cns VERSION: " with `what` and the title of the model, as in "events of " or "",
+ * and
+ * "# format: " with the number above. */
 void cns_provenance_begin(FILE *out, const cns_case *c, const char *what, cns_provenance level);
 
 /* The last line of a table: `# complete`, or `# stopped: REASON` if reason is not NULL. */

@@ -5,6 +5,7 @@
 
 #include "core/files.h"
 #include "core/memory.h"
+#include "integrate/rows.h"
 #include "provenance.h"
 
 struct cns_table {
@@ -54,6 +55,15 @@ static void print_numerics(FILE *out, const cns_case *c, long digits, mpfr_prec_
         fprintf(out, ", Taylor series of order %d", order);
 }
 
+static void print_times(FILE *out, const cns_case *c)
+{
+    cns_time_form form;
+    cns_time_form_init(&form, &c->every, &c->end);
+    if (mpz_sgn(form.denominator) != 0)
+        gmp_fprintf(out, "# " CNS_TABLE_TIMES "%Zd\n", form.denominator);
+    cns_time_form_clear(&form);
+}
+
 cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err)
 {
     const cns_case *c = t->c;
@@ -78,6 +88,7 @@ cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err)
             fprintf(out, "# UNPROVEN\n");
         fprintf(out, "# kernel: %s\n# libraries: MPFR %s, GMP %s\n", run->kernel, mpfr_get_version(),
                 gmp_version);
+        print_times(out, c);
         for (int i = 0; i < c->n_columns; i++)
             fprintf(out, "%s,", cns_case_column_name(c, i));
         fprintf(out, "decimals,growth\n");

@@ -1,4 +1,6 @@
-/* Tables: `#` lines of provenance, a header row, comma-separated rows, a last line that says how it ended. */
+/* Tables: `#` lines of provenance, a header row, comma-separated rows, a last line that says how it ended.
+ * Where times are no finite decimals, a line says how they are had back: "# times: each the nearest fraction
+ * with a denominator up to 3". */
 #ifndef CNS_IO_WRITE_TABLE_H
 #define CNS_IO_WRITE_TABLE_H
 
@@ -7,6 +9,8 @@
 #include "cns/case.h"
 #include "cns/solve.h"
 #include "cns/status.h"
+
+#define CNS_TABLE_TIMES "times: each the nearest fraction with a denominator up to "
 
 typedef struct cns_table cns_table;
 

@@ -133,6 +133,27 @@ char *cns_text_mpq(mpq_srcptr x, cns_places places, long count)
     return without_minus_zero(text);
 }
 
+/* The decimals of a denominator 2^a 5^b: max(a, b). -1: it has another factor. */
+static long decimals_of(mpz_srcptr denominator)
+{
+    mpz_t rest, five;
+    mpz_init(rest);
+    mpz_init_set_ui(five, 5);
+    const mp_bitcnt_t twos = mpz_scan1(denominator, 0);
+    mpz_tdiv_q_2exp(rest, denominator, twos);
+    const mp_bitcnt_t fives = mpz_remove(rest, rest, five);
+    const bool finite = mpz_cmp_ui(rest, 1) == 0;
+    mpz_clear(rest);
+    mpz_clear(five);
+    return finite ? (long)(twos > fives ? twos : fives) : -1;
+}
+
+char *cns_text_exact(mpq_srcptr x)
+{
+    const long decimals = decimals_of(mpq_denref(x));
+    return decimals >= 0 ? cns_text_mpq(x, CNS_PLACES_DECIMALS, decimals) : NULL;
+}
+
 char *cns_text_number(const cns_number *x, cns_places places, long count)
 {
     if (x->pi_power == 0)

@@ -12,6 +12,7 @@
 /* New strings, the caller's to free. count >= 0 decimals, or >= 1 significant digits. */
 char *cns_text_mpfr(mpfr_srcptr x, cns_places places, long count);
 char *cns_text_mpq(mpq_srcptr x, cns_places places, long count);
+char *cns_text_exact(mpq_srcptr x); /* a finite decimal with as few digits as it takes; NULL: x is none */
 char *cns_text_number(const cns_number *x, cns_places places, long count);
 
 /* So many significant digits as printf's %g has them: 0.001234, 1.234e-30, 0; without zeros at the end. Of a

@@ -35,6 +35,7 @@ typedef struct walk {
     long digits;         /* printed without a proof: those of the arithmetic */
     bool explain;        /* compare the difference with noise times growth */
     mpq_t time;
+    cns_time_form times;
     mpfr_t error; /* e */
     char **text;
     cns_bounded *value;                /* scratch, of columns */
@@ -115,12 +116,12 @@ static void set_text(walk *w, int column, char *text)
 }
 
 /* The texts of a row; count < 0: no proof, all digits of the arithmetic. */
-static void write_texts(walk *w, unsigned long row, cns_places places, long count)
+static void write_texts(walk *w, cns_places places, long count)
 {
     for (int i = 0; i < cns_columns(w->p); i++) {
         const cns_column c = cns_column_at(w->p, i);
         if (c.kind == CNS_COLUMN_TIME) {
-            set_text(w, i, cns_row_time_text(cns_every(w->p), w->p->end, row, count));
+            set_text(w, i, cns_time_text(&w->times, w->time));
         } else if (count < 0) {
             set_text(w, i, cns_text_digits(value(w, i), w->digits));
         } else if (c.kind == CNS_COLUMN_STATE && mpq_sgn(w->time) == 0) {
@@ -151,11 +152,10 @@ static long as_decimals(const walk *w, cns_places places, long count)
     return least < 0 ? count : least;
 }
 
-static cns_code emit(walk *w, unsigned long row, cns_places places, long count, cns_result *result,
-                     cns_error *err)
+static cns_code emit(walk *w, cns_places places, long count, cns_result *result, cns_error *err)
 {
     const cns_sink *sink = w->p->sink;
-    write_texts(w, row, places, count);
+    write_texts(w, places, count);
     cns_row out = {.text = w->text,
                    .decimals = as_decimals(w, places, count),
                    .growth = w->coarse ? w->c->growth : w->s.growth};
@@ -216,6 +216,7 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
                 .explain = runs->proof && runs->coarse.method == CNS_METHOD_TAYLOR,
                 .digits = runs->fine.arithmetic == CNS_ARITH_DOUBLE ? DOUBLE_PRINTED : runs->fine_digits};
     mpq_inits(w->time, w->before, (mpq_ptr)0);
+    cns_time_form_init(&w->times, cns_every(p), p->end);
     mpfr_init2(w->error, ERROR_BITS);
     w->found.n_states = cns_program_states(cns_system_program(p->system));
     result->events_end = (cns_error){0};
@@ -249,6 +250,7 @@ static void walk_close(walk *w, cns_result *result)
     cns_found_clear(&w->found);
     cns_found_clear(&w->found_again);
     mpq_clears(w->time, w->before, (mpq_ptr)0);
+    cns_time_form_clear(&w->times);
     mpfr_clear(w->error);
     for (int i = 0; i < cns_columns(w->p); i++)
         free(w->text[i]);
@@ -346,7 +348,7 @@ static cns_code go(walk *w, demand *d, cns_result *result, cns_error *err)
                                 mpq_get_d(w->time), result->run.digits);
             d->few_rows = d->few_rows || places < d->count;
         }
-        code = emit(w, d->row, d->places, places, result, err);
+        code = emit(w, d->places, places, result, err);
         d->row++;
         mpq_set(w->before, w->time);
         progress(w, result);

@@ -84,6 +84,7 @@ if command -v sha256sum
 | time: {end: 50, every: 0.5}
 | goal: {decimals: 4}
 > re:^# cns [0-9.]+: 
+> # format: 1
 > re:^# case: a\.yaml, SHA-256 [0-9a-f]{64}$
 > # override: time.end=1
 > # override: parameters.I=2
@@ -97,6 +98,30 @@ if command -v sha256sum
 > re:^# libraries: MPFR .*GMP
 > # complete
 > 1
+
+= times: decimals as they are, others so that they can be had back, whatever the decimals of the values
+$ cat > a.yaml; cns run -q a.yaml | grep '^# times\|^[0-9]' | cut -d, -f1 > a; cat a
+$ cns run -q a.yaml --set goal.decimals=20 | grep '^# times\|^[0-9]' | cut -d, -f1 | cmp - a
+$ cns run -q a.yaml --set time.end=1e-6 --set time.every=1e-7/3 | grep '^# times\|^[0-9]' | cut -d, -f1 > a; sed -n '1,6p;$p' a; sort -u a | wc -l
+$ cns run -q a.yaml --set time.every=1/4 | grep -c '^# times' || true
+| model: lorenz
+| initial: {x: 1}
+| time: {end: 1, every: 1/3}
+| goal: {decimals: 5}
+> # times: each the nearest fraction with a denominator up to 3
+> 0
+> 0.33333333333333333
+> 0.66666666666666667
+> 1
+> # times: each the nearest fraction with a denominator up to 30000000
+> 0
+> 0.000000033333333333333333
+> 0.000000066666666666666667
+> 0.0000001
+> 0.000000133333333333333333
+> 0.000001
+> 32
+> 0
 
 = each case that comes with the program, shortly
 $ for c in "$CASES"/*.yaml; do cns run -q "$c" --set time.end=5 > a.csv || echo "$c: $?"; tail -n 1 a.csv; done | sort -u

@@ -8,6 +8,7 @@
 #include "core/memory.h"
 #include "core/monitor.h"
 #include "core/text.h"
+#include "num/decimal_text.h"
 #include "study/ensemble.h"
 
 typedef struct jobs {
@@ -105,12 +106,10 @@ static void value_at(const cns_sweep *s, int i, cns_number *x)
     mpq_set_ui(q, (unsigned long)i, 1);
     mpq_mul(q, q, s->step.ratio);
     mpq_add(q, q, s->from.ratio);
-    char *text = mpq_get_str(NULL, 10, q);
+    char *text = cns_text_exact(q);
+    if (text == NULL)
+        text = mpq_get_str(NULL, 10, q);
     cns_number_parse(x, text, &err);
-    free(text);
-    text = cns_number_multiple_text(x, 1);
-    if (text != NULL)
-        cns_number_parse(x, text, &err);
     free(text);
     mpq_clear(q);
 }
