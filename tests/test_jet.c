@@ -655,6 +655,50 @@ START_TEST(the_sign_of_abs_is_the_first_coefficients)
 }
 END_TEST
 
+/* u = a - b, where a' = (z z) y + t and b' = z (z y), begins with u_0 = 0 and u_1 the difference of
+ * roundings: the sign of |u| is that of u_2, which is t'. */
+START_TEST(noise_has_no_sign)
+{
+    enum { U, V, Q, Y, T, W, ALL };
+    const mpfr_prec_t prec = arithmetics[_i].prec;
+    uint64_t s = test_seed() + 97 + (uint64_t)_i;
+    int opposite = 0;
+    mpfr_t x, w;
+    mpfr_inits2(prec, x, w, (mpfr_ptr)0);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        cns_program *p = program_new(ALL, NULL);
+        cns_node z = cns_state(p, Q), y = cns_state(p, Y);
+        cns_derivative(p, U, cns_add(p, cns_mul(p, cns_sqr(p, z), y), cns_state(p, T)));
+        cns_derivative(p, V, cns_mul(p, z, cns_mul(p, z, y)));
+        cns_derivative(p, Q, cns_constant(p, "0"));
+        cns_derivative(p, Y, cns_constant(p, "0"));
+        cns_derivative(p, T, cns_constant(p, sign < 0 ? "-1" : "1"));
+        cns_derivative(p, W, cns_abs(p, cns_sub(p, cns_state(p, U), cns_state(p, V))));
+        cns_jet *J = jet_new(finished(p), arithmetics[_i].ops, 4, prec);
+        for (int trial = 0; trial < 100; trial++) {
+            cns_error err;
+            cns_jet_begin(J, 1);
+            for (int i = 0; i < ALL; i++) {
+                mpfr_set_d(x, i == Q || i == Y ? 1 + test_random_unit(&s) : 0, MPFR_RNDN);
+                mpfr_sqrt(x, x, MPFR_RNDN); /* all bits in use */
+                cns_jet_set_state(J, i, x);
+            }
+            check_ok(cns_jet_expand(J, 4, &err), &err);
+            cns_jet_coefficient(J, x, U, 1);
+            cns_jet_coefficient(J, w, V, 1);
+            mpfr_sub(x, x, w, MPFR_RNDN);
+            opposite += mpfr_sgn(x) == -sign;
+            cns_jet_coefficient(J, w, W, 3); /* |u|_2 / 3, and u_2 = t' / 2 */
+            ck_assert_double_eq_tol(mpfr_get_d(w, MPFR_RNDN), 1.0 / 6, 1e-9);
+        }
+        cns_jet_free(J);
+        cns_program_free(p);
+    }
+    ck_assert_int_gt(opposite, 10);
+    mpfr_clears(x, w, (mpfr_ptr)0);
+}
+END_TEST
+
 /* sign(b) a where b starts on a zero and a does not: the sign belongs to the whole arc, order 0 included. */
 START_TEST(signed_holds_from_order_zero)
 {
@@ -1056,6 +1100,7 @@ Suite *suite_jet(void)
     tcase_add_loop_test(t, agrees_with_the_oracle, 0, OPERATIONS * ARITHMETICS);
     tcase_add_loop_test(t, runs_ahead_of_leading_zeros, 0, 2 * LEADING * ARITHMETICS);
     tcase_add_loop_test(t, the_sign_of_abs_is_the_first_coefficients, 0, ARITHMETICS);
+    tcase_add_loop_test(t, noise_has_no_sign, 0, ARITHMETICS);
     tcase_add_loop_test(t, signed_holds_from_order_zero, 0, ARITHMETICS);
     tcase_add_loop_test(t, says_where_it_is_singular, 0, SINGULAR * ARITHMETICS);
     tcase_add_test(t, zero_over_zero_is_singular);

@@ -236,6 +236,35 @@ static void build_pole(cns_program *p, const cns_model *model)
     cns_derivative(p, 0, cns_sqr(p, cns_state(p, 0)));
 }
 
+/* As far as double precision follows the trajectory there is no margin. Beyond, growth is known in the mean,
+ * and fluctuates like a random walk: the margin grows like the root of the time. */
+START_TEST(margins_grow_like_a_walk)
+{
+    static const struct {
+        const char *end;
+        double time; /* beyond what double follows, about */
+    } ends[] = {{"20", 0}, {"200", 165}, {"800", 765}};
+    double unit = 0;
+    for (int i = 0; i < COUNT(ends); i++) {
+        const planned g = {
+            "lorenz", NULL, {"-15.8", "-17.48", "35.64"}, ends[i].end, "1", CNS_PLACES_DECIMALS, 10, 0};
+        setting s;
+        setting_open(&s, &g);
+        cns_run_info plan = plan_for(&s, g.places, g.count);
+        if (i == 0)
+            ck_assert_double_eq(plan.margin, 0);
+        if (i == 1)
+            unit = plan.margin / sqrt(ends[1].time);
+        if (i == 2)
+            ck_assert_msg(fabs(plan.margin / sqrt(ends[2].time) / unit - 1) < 0.5, "%g, not %g", plan.margin,
+                          unit * sqrt(ends[2].time));
+        ck_assert(i == 0 || plan.margin > 1);
+        ck_assert_double_ge((double)plan.proof_digits, 10 + plan.growth + plan.margin);
+        setting_close(&s);
+    }
+}
+END_TEST
+
 /* x' = x^2 from 1 has a pole at t = 1. */
 START_TEST(says_how_far_it_came)
 {
@@ -290,6 +319,7 @@ Suite *suite_plan(void)
     tcase_add_test(t, a_stopped_plan_says_nothing);
     tcase_add_test(t, progress_is_that_of_the_work);
     tcase_add_test(t, more_decimals_cost_more);
+    tcase_add_test(t, margins_grow_like_a_walk);
     tcase_add_test(t, says_how_far_it_came);
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
     tcase_add_test(t, memory_is_what_is_allocated);
