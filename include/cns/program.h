@@ -32,6 +32,10 @@ cns_program *cns_program_new(int n_states, int n_parameters, const cns_number *p
                              const cns_program_options *options);
 void cns_program_free(cns_program *p);
 
+/* What messages call a state; "state 0" and so on, until it is told. The name is copied. */
+void cns_name_state(cns_program *p, int i, const char *name);
+const char *cns_state_name(const cns_program *p, int i);
+
 cns_node cns_state(cns_program *p, int i);     /* 0 .. n_states - 1 */
 cns_node cns_parameter(cns_program *p, int i); /* 0 .. n_parameters - 1 */
 cns_node cns_constant(cns_program *p,

@@ -1,5 +1,6 @@
 /* The time loop's one step, for every method: time, grid of a fixed step, and the check of the derivative. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "cns/flow.h"
@@ -16,7 +17,7 @@ struct cns_flow {
     int n;
     mpfr_t t0, t1; /* more bits than the states: a step may be as short as the last digit of a state */
     mpfr_t tau;
-    mpfr_t *x0, *x1;
+    mpfr_t *x0, *x1, *initial;
     mpq_t grid; /* fixed step: steps so far, times the step, exactly */
     mpq_t step;
     cns_step last;
@@ -69,8 +70,9 @@ cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
     mpq_inits(f->grid, f->step, (mpq_ptr)0);
     f->x0 = cns_vector_new(f->n, prec);
     f->x1 = cns_vector_new(f->n, prec);
+    f->initial = cns_vector_new(f->n, prec);
     f->derivative = cns_vector_new(f->n, prec + CHECK_BITS);
-    if (!f->x0 || !f->x1 || !f->derivative) {
+    if (!f->x0 || !f->x1 || !f->initial || !f->derivative) {
         cns_out_of_memory(err);
         cns_flow_free(f);
         return NULL;
@@ -102,6 +104,7 @@ void cns_flow_free(cns_flow *f)
     cns_jet_free(f->check);
     cns_vector_free(f->x0);
     cns_vector_free(f->x1);
+    cns_vector_free(f->initial);
     cns_vector_free(f->derivative);
     mpfr_clears(f->t0, f->t1, f->tau, f->last.h, f->tolerance, f->difference, (mpfr_ptr)0);
     mpq_clears(f->grid, f->step, (mpq_ptr)0);
@@ -110,14 +113,16 @@ void cns_flow_free(cns_flow *f)
 
 size_t cns_flow_bytes(const cns_flow *f)
 {
-    return f->ops->bytes(f->stepper) + cns_jet_bytes(f->check) + cns_vector_bytes(3 * f->n, f->spec.prec);
+    return f->ops->bytes(f->stepper) + cns_jet_bytes(f->check) + cns_vector_bytes(4 * f->n, f->spec.prec);
 }
 
 /* To t = 0 with the states that are in x1. */
 static void restart(cns_flow *f)
 {
-    for (int i = 0; i < f->n; i++)
+    for (int i = 0; i < f->n; i++) {
         mpfr_set(f->x0[i], f->x1[i], MPFR_RNDN);
+        mpfr_set(f->initial[i], f->x1[i], MPFR_RNDN);
+    }
     mpfr_set_zero(f->t0, 1);
     mpfr_set_zero(f->t1, 1);
     mpq_set_ui(f->grid, 0, 1);
@@ -153,9 +158,9 @@ static cns_code mismatch(const cns_flow *f, int i, cns_error *err)
     mpfr_snprintf(tolerance, sizeof tolerance, "%.2Re", f->tolerance);
     return cns_fail(
         err, CNS_NUMERIC,
-        "t = %.12g: the derivative of state %d differs from the right-hand side by %s, more than the %s "
+        "t = %.12g: the derivative of %s differs from the right-hand side by %s, more than the %s "
         "that rounding and truncation allow: a wrong branch of abs() or sqrt(), or a wrong constant",
-        mpfr_get_d(f->t1, MPFR_RNDN), i, difference, tolerance);
+        mpfr_get_d(f->t1, MPFR_RNDN), cns_state_name(f->spec.program, i), difference, tolerance);
 }
 
 /* The derivative of the dense output at the end of the step against f evaluated there with true abs() and
@@ -179,14 +184,69 @@ static cns_code verify(cns_flow *f, cns_error *err)
     return CNS_OK;
 }
 
-/* Tolerances are relative to the scale of a state, so one that leaves it by as many digits as half of those
- * carried is lost; near a pole the steps would shrink for ever instead. */
-static bool runs_away(const cns_flow *f, int i)
+/* The bits by which a state exceeds its scale, or what it began with: none if it is zero. */
+static long excess_bits(const cns_flow *f, int i, bool beyond_initial)
 {
     int scale;
     frexp(f->spec.scales[i], &scale);
-    return cns_program_is_dynamic(f->spec.program, i) && mpfr_regular_p(f->x1[i]) &&
-           mpfr_get_exp(f->x1[i]) - scale > f->spec.prec / 2;
+    long least = scale;
+    if (beyond_initial && mpfr_regular_p(f->initial[i]) && mpfr_get_exp(f->initial[i]) > least)
+        least = mpfr_get_exp(f->initial[i]);
+    return cns_program_is_dynamic(f->spec.program, i) && mpfr_regular_p(f->x1[i])
+               ? mpfr_get_exp(f->x1[i]) - least
+               : 0;
+}
+
+/* A state that has grown by as many digits as half of those carried is lost; near a pole the steps would
+ * shrink for ever instead. */
+static bool runs_away(const cns_flow *f, int i)
+{
+    return excess_bits(f, i, true) > f->spec.prec / 2;
+}
+
+/* A state is rounded relative to its own size, noise is counted in its scale. The guard bits cover what is
+ * usual. */
+static void count_size(cns_flow *f)
+{
+    for (int i = 0; i < f->n; i++)
+        f->last.noise_log2 =
+            fmax(f->last.noise_log2, (double)(excess_bits(f, i, false) - CNS_USUAL_SIZE_BITS - f->spec.prec));
+}
+
+/* A step of fixed length has failed. Does the solution itself go on beyond it? A Taylor series in double
+ * precision, whose steps are as short as they have to be, tells, from the initial state: the state that the
+ * step began with may be none of the solution's any more. */
+static bool step_is_too_large(const cns_flow *f)
+{
+    cns_error ignored;
+    if (f->spec.step == NULL)
+        return false;
+    cns_flow_spec spec =
+        cns_flow_spec_taylor(f->spec.program, f->spec.scales, CNS_ARITH_DOUBLE, CNS_DOUBLE_DIGITS);
+    spec.stop = f->spec.stop;
+    cns_flow *other = cns_flow_new(&spec, &ignored);
+    if (other == NULL)
+        return false;
+    cns_flow_start_at(other, (const mpfr_t *)f->initial);
+    mpfr_set_q(other->tolerance, f->step, MPFR_RNDN);
+    mpfr_add(other->tolerance, other->tolerance, f->t0, MPFR_RNDN);
+    cns_code code = CNS_OK;
+    while (!code && mpfr_less_p(other->t1, other->tolerance))
+        code = cns_flow_step(other, &ignored);
+    cns_flow_free(other);
+    return !code;
+}
+
+/* The failure of the step that begins at t, and whose fault it is. */
+static cns_code failed(const cns_flow *f, cns_code code, const char *what, const char *otherwise,
+                       cns_error *err)
+{
+    const double t = mpfr_get_d(f->t0, MPFR_RNDN);
+    if (code != CNS_NUMERIC || !step_is_too_large(f))
+        return cns_fail(err, code, "t = %.12g: %s%s", t, what, otherwise);
+    return cns_fail(err, code,
+                    "t = %.12g: %s: the step of %s is too large; the solution itself goes on there", t, what,
+                    f->spec.step->text);
 }
 
 /* What a run of K digits keeps of the state at the end of a step. The step's noise is then at least what was
@@ -238,17 +298,19 @@ cns_code cns_flow_step(cns_flow *f, cns_error *err)
     }
     if (f->spec.step)
         mpq_clear(next);
-    double t = mpfr_get_d(f->t0, MPFR_RNDN);
     if (code)
-        return cns_fail(err, code, "t = %.12g: %s", t, inner.text);
+        return failed(f, code, inner.text, "", err);
     if (mpfr_lessequal_p(f->t1, f->t0))
-        return cns_fail(err, CNS_NUMERIC, "t = %.12g: the step underflows: a singularity", t);
-    for (int i = 0; i < f->n; i++)
-        if (!mpfr_number_p(f->x1[i]))
-            return cns_fail(err, CNS_NUMERIC, "t = %.12g: state %d is not a finite number after the step", t,
-                            i);
-        else if (runs_away(f, i))
-            return cns_fail(err, CNS_NUMERIC, "t = %.12g: state %d grows without bound: a pole", t, i);
+        return failed(f, CNS_NUMERIC, "the step underflows", ": a singularity", err);
+    for (int i = 0; i < f->n; i++) {
+        const bool finite = mpfr_number_p(f->x1[i]) != 0;
+        if (finite && !runs_away(f, i))
+            continue;
+        snprintf(inner.text, sizeof inner.text, "%s %s", cns_state_name(f->spec.program, i),
+                 finite ? "grows without bound" : "is not a finite number after the step");
+        return failed(f, CNS_NUMERIC, inner.text, finite ? ": a pole" : "", err);
+    }
+    count_size(f);
     f->steps++;
     f->landings += f->last.landed;
     code = f->check ? verify(f, err) : CNS_OK;

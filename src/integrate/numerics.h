@@ -8,7 +8,9 @@
 
 enum {
     CNS_DOUBLE_BITS = 53,
-    CNS_DOUBLE_DIGITS = 16 /* what double counts as where digits are asked for */
+    CNS_DOUBLE_DIGITS = 16,  /* what double counts as where digits are asked for */
+    CNS_USUAL_SIZE_BITS = 10 /* by which a state may exceed its scale before the digits of its size are
+                                counted extra: so many of the guard bits */
 };
 
 /* log2 of the local truncation error, in scales, that goes with so many digits: 10^-digits. */

@@ -489,7 +489,8 @@ static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_e
     for (int i = 0; i < s->n && !in_steps; i++)
         for (int k = 0; k <= s->order; k++)
             if (!mpfr_number_p(coefficients(s, i)[k]))
-                return cns_fail(err, CNS_NUMERIC, "coefficient %d of state %d is out of range", k, i);
+                return cns_fail(err, CNS_NUMERIC, "coefficient %d of %s is out of range", k,
+                                cns_state_name(s->spec.program, i));
     double allowed = allowed_log2(s), H_log2 = cns_log2_2exp(s->H, 0);
     s->next_log2 = H_log2 + (in_steps && allowed > MAX_GAIN_LOG2 ? MAX_GAIN_LOG2 : allowed);
     if (step->limit)
@@ -538,11 +539,16 @@ static void derivative(cns_stepper *s, const mpfr_t t, mpfr_t *dx, mpfr_t tolera
     set_tau(s, t);
     largest_log2 = cns_log2_mpfr(s->tau);
     for (int i = 0; i < s->n; i++) {
+        long e;
         slope(s, i, dx[i], &l);
         largest_log2 = fmax(largest_log2, l);
+        const double size = fabs(cns_jet_coefficient_2exp(s->jet, &e, i, 0));
+        if (size > 0 && cns_program_is_dynamic(s->spec.program, i))
+            largest_log2 = fmax(largest_log2, cns_log2_2exp(size, e));
         mpfr_div_d(dx[i], dx[i], s->H, MPFR_RNDN);
     }
-    /* Rounding: a few dozen operations, relative to the largest terms. Truncation: the state's error times
+    /* Rounding: a few dozen operations, relative to the largest terms and to the states that f is evaluated
+     * at, each rounded relative to its own size. Truncation: the state's error times
      * order/h, and room for a tail that the last coefficients belittle, as they can by a few digits where a
      * pair of singularities makes them oscillate. The errors looked for are larger by far. */
     mpfr_set_d(s->sum, largest_log2 + 24 - (double)s->prec, MPFR_RNDU);

@@ -32,6 +32,8 @@ cns_code cns_model_program(const cns_model *m, const cns_number *parameters,
     *program = NULL;
     if (!p)
         return cns_out_of_memory(err);
+    for (int i = 0; i < m->n_states; i++)
+        cns_name_state(p, i, m->states[i].name);
     m->build(p, m);
     cns_code code = cns_program_finish(p, err);
     if (!code && cns_program_outputs(p) != m->n_outputs)

@@ -34,6 +34,22 @@ static double places_of(const cns_goal *goal, mpfr_srcptr x)
     return count + fmax(0, -cns_log2_mpfr(x) * CNS_LOG10_2);
 }
 
+/* The digits that the sizes of states take beside the places behind the point: 10^-decimals is absolute, a
+ * number of so many digits is rounded relative to its own size. The guard bits cover what is usual. */
+static double size_of(const cns_problem *p, const cns_goal *goal, const mpfr_t *state)
+{
+    const cns_program *program = cns_system_program(p->system);
+    double most = 0;
+    for (int i = 0; i < cns_program_states(program); i++)
+        if (mpfr_regular_p(state[i]) &&
+            (cns_program_is_dynamic(program, i) || cns_goal_places(goal) == CNS_PLACES_DECIMALS)) {
+            const double log2_size =
+                (double)mpfr_get_exp(state[i]) - cns_log2_2exp(cns_system_scales(p->system)[i], 0);
+            most = fmax(most, (log2_size - CNS_USUAL_SIZE_BITS) * CNS_LOG10_2);
+        }
+    return most;
+}
+
 static double places_of_row(const cns_problem *p, const cns_goal *goal, const cns_sample *s)
 {
     double most = (double)cns_goal_count(goal);
@@ -85,7 +101,7 @@ static cns_code add_event_needs(void *context, const cns_meeting *m, double nois
         places *= 2;
     const double loss = cns_event_loss_log2(need->p, m) * CNS_LOG10_2;
     if (isfinite(loss))
-        add_needs(need, places + loss, noise_log2);
+        add_needs(need, places + size_of(need->p, need->goal, m->state) + loss, noise_log2);
     return CNS_OK;
 }
 
@@ -183,7 +199,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         if (trusted >= end && g > CNS_DOUBLE_DIGITS - 3)
             trusted = now;
         growth = fmax(growth, g);
-        add_needs(&need, places_of_row(p, goal, &s), s.error_log2);
+        add_needs(&need, places_of_row(p, goal, &s) + size_of(p, goal, s.state), s.error_log2);
     }
     if (code == CNS_STOPPED && cns_trajectory_late(t)) {
         code = cns_fail(err, CNS_UNREACHED, "max_time is used up while planning");

@@ -10,6 +10,7 @@
 #include <limits.h>
 
 #include "jet_internal.h"
+#include "op/rules.h"
 
 enum {
     FAR = INT_MAX / 4, /* `known` of a series of which all coefficients are known */
@@ -66,7 +67,7 @@ static cns_code advance_node(cns_jet *J, int v, int room, bool *progress, cns_er
     const int count = cns_least(op->known(J, v), room);
     if (count == CNS_POLE) {
         if (n->needed)
-            return cns_fail(err, CNS_NUMERIC, "division by zero (operation %%%d)", v);
+            return cns_singular(J, v, "division by zero", err);
         J->known[v] = NEVER;
         return CNS_OK;
     }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/memory.h"
 #include "num/logs.h"
 #include "program_internal.h"
 
@@ -29,6 +30,7 @@ cns_program *cns_program_new(int n_states, int n_parameters, const cns_number *p
         return NULL;
     size_t n = (size_t)n_states + 1;
     p->parameters = calloc((size_t)n_parameters + 1, sizeof *p->parameters);
+    p->name = cns_xalloc(n, sizeof *p->name);
     p->derivative = malloc(n * sizeof *p->derivative);
     p->factor = malloc(n * sizeof *p->factor);
     p->state_node = malloc(n * sizeof *p->state_node);
@@ -46,6 +48,11 @@ cns_program *cns_program_new(int n_states, int n_parameters, const cns_number *p
         return NULL;
     }
     p->n_states = n_states;
+    for (int i = 0; i < n_states; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "state %d", i);
+        cns_name_state(p, i, name);
+    }
     for (int i = 0; i < n_states; i++)
         p->derivative[i] = p->factor[i] = p->state_node[i] = -1;
     if (options && options->smooth) {
@@ -68,6 +75,9 @@ void cns_program_free(cns_program *p)
     free(p->constants);
     free(p->node);
     free(p->hash);
+    for (int i = 0; i < p->n_states; i++)
+        free(p->name[i]);
+    free(p->name);
     free(p->derivative);
     free(p->factor);
     free(p->state_node);
@@ -317,6 +327,37 @@ cns_node cns_abs(cns_program *p, cns_node a)
 cns_node cns_signed(cns_program *p, cns_node abs_node, cns_node a)
 {
     return cns_intern(p, CNS_OP_SIGNED, 0, abs_node, a, -1, -1);
+}
+
+cns_node cns_smooth_sign(cns_program *p, cns_node smooth_abs_node)
+{
+    return cns_intern(p, CNS_OP_SMOOTH_SIGN, 0, smooth_abs_node, p->node[smooth_abs_node].arg[1], -1, -1);
+}
+
+void cns_name_state(cns_program *p, int i, const char *name)
+{
+    free(p->name[i]);
+    p->name[i] = cns_xcopy(name);
+}
+
+const char *cns_state_name(const cns_program *p, int i)
+{
+    return p->name[i];
+}
+
+const char *cns_equation_of(const cns_program *p, int v)
+{
+    bool *made_of_v = cns_xalloc((size_t)p->n_nodes + 1, sizeof *made_of_v);
+    const char *name = NULL;
+    made_of_v[v] = true;
+    for (int w = v + 1; w < p->n_nodes; w++)
+        for (int k = 0; k < 4; k++)
+            made_of_v[w] = made_of_v[w] || (p->node[w].arg[k] >= 0 && made_of_v[p->node[w].arg[k]]);
+    for (int i = 0; i < p->n_states && name == NULL; i++)
+        if (made_of_v[p->derivative[i]])
+            name = p->name[i];
+    free(made_of_v);
+    return name;
 }
 
 void cns_derivative(cns_program *p, int i, cns_node f)

@@ -26,6 +26,7 @@ struct cns_program {
     int n_nodes, nodes_capacity, constants_capacity, outputs_capacity;
     int *hash; /* a table of nodes, to find equal ones: node index + 1, or 0; open addressing */
     int hash_size;
+    char **name;     /* per state */
     int *derivative; /* per state: node, -1 while unset */
     int *factor;     /* per state: its derivative is this constant node times `derivative`; -1: it is that */
     int *state_node; /* per state: its node, -1 if nothing reads it */
@@ -40,7 +41,13 @@ struct cns_program {
 /* The node with this operation and these operands: the one there is, or a new one. */
 cns_node cns_intern(cns_program *p, cns_op op, int index, int a, int b, int c, int d);
 
+/* The name of the first state whose equation needs node v; NULL: none, only outputs do. */
+const char *cns_equation_of(const cns_program *p, int v);
+
 /* The sign that node `abs_node`, an abs(u), holds, times a: the tangent of |u| along a. */
 cns_node cns_signed(cns_program *p, cns_node abs_node, cns_node a);
+
+/* u / sqrt(u^2 + eps^2) of a smooth_abs node, which is the derivative of that node with respect to u. */
+cns_node cns_smooth_sign(cns_program *p, cns_node smooth_abs_node);
 
 #endif

@@ -1,7 +1,9 @@
 #include "tangent.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
+#include "core/text.h"
 #include "op/rules.h"
 
 int cns_dynamic_states(const cns_program *p, int *index)
@@ -105,6 +107,11 @@ cns_code cns_tangent_program(const cns_program *p, int directions, cns_program *
             state[k] = component[k] = -1;
         for (int k = 0; k < dims; k++)
             state[index[k]] = k;
+        for (int k = 0; q && k < dims * (1 + directions); k++) {
+            char name[2 * CNS_QUOTE];
+            snprintf(name, sizeof name, "%s%s", k < dims ? "" : "the tangent of ", p->name[index[k % dims]]);
+            cns_name_state(q, k, name);
+        }
         mark_wanted(p, index, dims, wanted);
         for (int v = 0; q && v < p->n_nodes; v++)
             map[v] = wanted[v] ? copy(q, p, v, map, state) : -1;

@@ -9,7 +9,10 @@ const cns_operation *const cns_operations[CNS_OP_COUNT] = {
 
 cns_code cns_singular(const cns_jet *J, int v, const char *what, cns_error *err)
 {
-    return cns_fail(err, CNS_NUMERIC, "%s (operation %%%d, %s)", what, v, cns_operation_of(J, v)->name);
+    const char *equation = cns_equation_of(J->p, v);
+    return cns_fail(err, CNS_NUMERIC, "%s in %s%s", what,
+                    equation != NULL ? "the equation of " : "a derived quantity",
+                    equation != NULL ? equation : "");
 }
 
 int cns_known_as_first(const cns_jet *J, int v)
@@ -41,6 +44,11 @@ bool cns_never_vanishes(const cns_jet *J, int v)
 bool cns_vanishes_with_first(const cns_jet *J, int v)
 {
     return J->vanishes[J->p->node[v].arg[0]];
+}
+
+bool cns_vanishes_with_second(const cns_jet *J, int v)
+{
+    return J->vanishes[J->p->node[v].arg[1]];
 }
 
 bool cns_vanishes_with_both(const cns_jet *J, int v)

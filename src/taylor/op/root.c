@@ -206,9 +206,39 @@ static cns_watched smooth_abs_watch(const cns_jet *J, int v)
                     : (cns_watched){.node = arg[1], .kind = CNS_WATCH_SMOOTH, .eps = arg[2]};
 }
 
-CNS_DERIVE(smooth_abs, sqrt_derive(d))
+CNS_DERIVE(smooth_abs, d->dx[1] < 0 ? -1 : cns_mul(d->q, cns_smooth_sign(d->q, d->w), d->dx[1]))
 CNS_ENCLOSE(smooth_abs, sqrt_enclose(e))
 CNS_OPERATION(smooth_abs, 3, smooth_abs_known, cns_never_vanishes, smooth_abs_watch);
+
+/* smooth_sign: s = u/w of w = sqrt(u^2 + eps^2), or the sign that w holds where it is |u|: there the quotient
+ * would be one of rounding noise beside a zero of u. Operands w, u. */
+
+static cns_code smooth_sign_recurrence(cns_jet *J, int v, int n, cns_error *err)
+{
+    const int w = J->p->node[v].arg[0], u = J->p->node[v].arg[1];
+    if (!J->sharp) {
+        J->ops->zero(J->A);
+        cns_accumulate(J, 1, u, n);
+        cns_add_product(J, -1, w, v, n, 1, n);
+        J->ops->store_over(J->A, J->series[v], n, J->series[w], 0, 0);
+        return CNS_OK;
+    }
+    (void)err;
+    const int held = J->sign[w] ? J->sign[w] : J->held[w];
+    J->sign_late = J->sign_late || !held;
+    if (n > 0) {
+        store_zero(J, v, n);
+    } else {
+        mpfr_set_si(J->x, held, MPFR_RNDN);
+        J->ops->set(J->A, J->series[v], 0, J->x, false);
+    }
+    return CNS_OK;
+}
+
+CNS_DERIVE(smooth_sign,
+           cns_over(d, cns_plus(d, d->dx[1], cns_minus(d, cns_times(d, d->w, d->dx[0]))), d->x[0]))
+CNS_ENCLOSE(smooth_sign, arb_div(e->y, e->x[1], e->x[0], e->prec))
+CNS_OPERATION(smooth_sign, 2, cns_known_as_both, cns_vanishes_with_second, NULL);
 
 /* signed: the sign that an abs() holds, times a. Operands: the abs() node, a. */
 

@@ -49,6 +49,7 @@ int cns_known_as_both(const cns_jet *J, int v);
 int cns_known_beside_companion(const cns_jet *J, int v); /* which is one coefficient behind */
 bool cns_never_vanishes(const cns_jet *J, int v);
 bool cns_vanishes_with_first(const cns_jet *J, int v);
+bool cns_vanishes_with_second(const cns_jet *J, int v);
 bool cns_vanishes_with_both(const cns_jet *J, int v);
 bool cns_vanishes_with_either(const cns_jet *J, int v);
 
