@@ -152,6 +152,9 @@ START_TEST(limit_cycle)
     ck_assert(fabs(m.multiplier / exp(-2 * PI) - 1) < 1e-6);
     ck_assert_int_eq(m.extrema, 1);
     check_text(m.maximum[0], 1, "maximum");
+    /* r^-2 - 1 falls like exp(-2 t) from 99: at the first return after this time r is within 2^-10 of 1. */
+    const double since = 0.5 * log(99 * ldexp(1, 9));
+    ck_assert_msg(m.transient >= since && m.transient < since + PI, "%g", m.transient);
     cns_motion_clear(&m);
 }
 END_TEST

@@ -1,10 +1,13 @@
 /* Events of whole runs: right to the last decimal told, whatever happens on the way to them. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cns/solve.h"
 #include "num/decimal_text.h"
+#include "num/vector.h"
 #include "problem.h"
+#include "solve/events.h"
 
 enum { MOST_EVENTS = 400, MOST_STATES = 6, MOST_CONDITIONS = 4 };
 
@@ -308,6 +311,46 @@ START_TEST(where_the_runs_disagree_events_end)
 }
 END_TEST
 
+/* e is 16 times the noise, times how far a deviation of 1 moves the crossing, times the largest state. */
+START_TEST(places_of_an_event)
+{
+    enum { N = 3 };
+    cns_system *system = system_new(cns_model_find("lorenz"), NULL);
+    cns_event_condition condition;
+    cns_event_condition_init(&condition);
+    condition.kind = CNS_CONDITION_VALUE;
+    const cns_problem p = {.system = system, .conditions = &condition, .n_conditions = 1};
+    cns_found fine = {.m = {.direction = 1, .rate = 0.25, .state = cns_vector_xnew(N, 200)},
+                      .noise_log2 = -300};
+    mpfr_init2(fine.m.time, 200);
+    mpfr_set_d(fine.m.time, 0.7, MPFR_RNDN);
+    for (int i = 0; i < N; i++)
+        mpfr_set_d(fine.m.state[i], 100 * i + 0.3, MPFR_RNDN);
+    cns_found coarse = fine; /* the same: what is left is noise */
+    coarse.noise_log2 = -100;
+    const double largest = log2(200.3), slow = log2(1 + 1 / 0.25);
+    double error;
+    long places = cns_event_places(&p, &fine, &coarse, CNS_PLACES_DECIMALS, 60, &error);
+    ck_assert_double_eq_tol(error, (4 - 100 + largest + slow) * log10(2), 1e-9);
+    ck_assert(places == (long)floor(-error) || places == (long)floor(-error) - 1); /* one may straddle */
+    ck_assert_int_eq(cns_event_places(&p, &fine, &coarse, CNS_PLACES_DECIMALS, 9, &error), 9);
+
+    fine.m.direction = coarse.m.direction = 0; /* a touch moves by the root of that */
+    cns_event_places(&p, &fine, &coarse, CNS_PLACES_DECIMALS, 60, &error);
+    ck_assert_double_eq_tol(error, (4 + (largest - 100) / 2) * log10(2), 1e-9);
+
+    coarse.m.direction = -1;
+    ck_assert_int_eq(cns_event_places(&p, &fine, &coarse, CNS_PLACES_DECIMALS, 60, &error), -1);
+    coarse.m.direction = 0;
+    coarse.m.k = 1;
+    ck_assert_int_eq(cns_event_places(&p, &fine, &coarse, CNS_PLACES_DECIMALS, 60, &error), -1);
+    mpfr_clear(fine.m.time);
+    cns_vector_free(fine.m.state);
+    cns_event_condition_clear(&condition);
+    cns_system_free(system);
+}
+END_TEST
+
 Suite *suite_events(void)
 {
     Suite *s = suite_create("events");
@@ -316,6 +359,7 @@ Suite *suite_events(void)
     add_table_test(t, events_by_numerics, by_hand);
     tcase_add_test(t, an_event_asks_for_digits);
     tcase_add_test(t, a_tie_gets_fewer_decimals);
+    tcase_add_test(t, places_of_an_event);
     tcase_add_test(t, where_the_runs_disagree_events_end);
     suite_add_tcase(s, t);
     return s;

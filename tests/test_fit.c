@@ -183,6 +183,18 @@ START_TEST(outliers_do_not_move_the_robust_slope)
 }
 END_TEST
 
+/* Of an even number of slopes: -1, 0, 1, 7/3, 3, 7. */
+START_TEST(the_robust_slope_is_the_median)
+{
+    const double x[] = {0, 1, 2, 3}, y[] = {0, 1, 0, 7};
+    const cns_spread spread = {.kind = CNS_SPREAD_INDEPENDENT};
+    cns_fit f;
+    cns_error err;
+    ck_assert_int_eq(cns_fit_line(x, y, 4, &spread, &f, &err), CNS_OK);
+    ck_assert_double_eq_tol(f.slope_robust, (1 + 7.0 / 3) / 2, 1e-14);
+}
+END_TEST
+
 /* Against the density, by Simpson's rule, and against printed tables. */
 START_TEST(student)
 {
@@ -216,6 +228,7 @@ Suite *suite_fit(void)
     tcase_add_test(t, independent_residuals_give_the_textbook_errors);
     tcase_add_test(t, the_limits_cover);
     tcase_add_test(t, outliers_do_not_move_the_robust_slope);
+    tcase_add_test(t, the_robust_slope_is_the_median);
     tcase_add_test(t, student);
     suite_add_tcase(s, t);
     return s;

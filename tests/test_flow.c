@@ -827,6 +827,51 @@ START_TEST(verify_finds_a_wrong_branch)
 }
 END_TEST
 
+/* x' = sqrt(u^2 + v^2), where u passes 0 and v is so small that the series of the root does not show it from
+ * afar: the root seems to pass 0 and to become negative. */
+START_TEST(a_root_that_nearly_vanishes)
+{
+    static const char *const near[] = {"1e-9", "1e-14", "1e-18"};
+    for (int i = 0; i < COUNT(near); i++)
+        for (int arithmetic = 0; arithmetic < 2; arithmetic++) {
+            const char *start[] = {"0", "-1", near[i], "0"};
+            cns_program *p = clocked(4, NULL);
+            cns_derivative(p, 1, cns_constant(p, "1"));
+            cns_derivative(p, 2, cns_constant(p, "0"));
+            cns_derivative(p, 3, cns_hypot(p, cns_state(p, 1), cns_state(p, 2)));
+            cns_flow_spec spec = taylor_spec(finished(p), 20);
+            spec.arithmetic = arithmetic ? CNS_ARITH_FAST : CNS_ARITH_MPFR;
+            cns_flow *f = flow_started(&spec, start);
+            mpfr_t *x = cns_vector_xnew(4, spec.prec);
+            flow_to(f, "2", x);
+            check_value(x[3], "1", i == 0 ? 16 : 18, "the area below the root");
+            cns_vector_free(x);
+            cns_flow_free(f);
+            cns_program_free(p);
+        }
+}
+END_TEST
+
+/* By a factor 2^-safety, and the last bits of it. */
+START_TEST(safety_shortens_steps)
+{
+    static const char *const start[] = {"1", "0"};
+    cns_program *p = oscillator();
+    double h[2];
+    for (int i = 0; i < 2; i++) {
+        cns_error err;
+        cns_flow_spec spec = taylor_spec(p, 20);
+        spec.safety = 0.5 + i;
+        cns_flow *f = flow_started(&spec, start);
+        check_ok(cns_flow_step(f, &err), &err);
+        h[i] = mpfr_get_d(cns_flow_end(f), MPFR_RNDN);
+        cns_flow_free(f);
+    }
+    ck_assert_double_eq_tol(h[0] / h[1], 2, 1e-3);
+    cns_program_free(p);
+}
+END_TEST
+
 START_TEST(can_be_stopped)
 {
     volatile sig_atomic_t stop = 0;
@@ -939,6 +984,8 @@ Suite *suite_flow(void)
     tcase_add_test(t, dense_output_joins);
     add_table_test(t, singularities_are_errors, singular);
     tcase_add_test(t, verify_finds_a_wrong_branch);
+    tcase_add_test(t, a_root_that_nearly_vanishes);
+    tcase_add_test(t, safety_shortens_steps);
     tcase_add_test(t, can_be_stopped);
     tcase_add_test(t, refuses_what_makes_no_sense);
     tcase_add_test(t, passive_states_do_not_steer);

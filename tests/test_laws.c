@@ -10,6 +10,7 @@
 #include "cns/case.h"
 #include "cns/study/laws.h"
 #include "cns/study/tc.h"
+#include "study/predict/laws_internal.h"
 #include "support.h"
 
 #define START "model: lorenz\ninitial: {x: -15.8, y: -17.48, z: 35.64}\n"
@@ -233,6 +234,64 @@ START_TEST(smoothing)
 }
 END_TEST
 
+/* Statistics of growth, and why points are left out, from made-up runs against a made-up reference. */
+START_TEST(concluded_by_hand)
+{
+    enum { ROWS = 161, WINDOWS = 10, SIZE = (ROWS - 1) / WINDOWS, JOBS = 7 };
+    static const char *const found[JOBS] = {"tc 10",         "tc 20",          "tc 1",        "tc 30",
+                                            "beyond -3.5\n", "failed badly\n", "beyond -20\n"};
+    static const char *const why[JOBS] = {
+        NULL, NULL, "by its own error", NULL, "no T_c up to t = 80", "failed badly"};
+    const double every = 0.5;
+    double growth[ROWS] = {0}, error[ROWS] = {0}, sum = 0;
+    uint64_t s = test_seed();
+    for (int i = 1; i < ROWS; i++)
+        growth[i] = growth[i - 1] + 0.2 + 0.1 * (test_random_unit(&s) - 0.5);
+    cns_law_job job[JOBS];
+    char *results[JOBS];
+    for (int i = 0; i < JOBS; i++) {
+        job[i] = (cns_law_job){.kind = i < JOBS - 1 ? CNS_LAW_DIGITS : CNS_LAW_CHECK, .text = "5", .x = i};
+        results[i] = strdup(found[i]);
+    }
+    const cns_laws_work work = {.every = every,
+                                .delta_log10 = -2,
+                                .jobs = JOBS,
+                                .job = job,
+                                .ref = {.digits = 40, .rows = ROWS, .growth = growth, .error = error}};
+    cns_laws_result r = {0};
+    cns_error err;
+    ck_assert_int_eq(cns_laws_conclude(&work, results, &r, &err), CNS_OK);
+    const double time = (ROWS - 1) * every, rate = growth[ROWS - 1] / time;
+    for (int w = 0; w < WINDOWS; w++) {
+        const double d = growth[(w + 1) * SIZE] - growth[w * SIZE] - rate * SIZE * every;
+        sum += d * d / (SIZE * every);
+    }
+    ck_assert_int_eq(r.windows, WINDOWS);
+    ck_assert_double_eq_tol(r.lambda, rate * log(10), 1e-12);
+    ck_assert_double_eq_tol(r.variance, sum / (WINDOWS - 1), 1e-12);
+    ck_assert_double_eq_tol(r.lambda_se, sqrt(r.variance / time) * log(10), 1e-12);
+    ck_assert_double_eq(r.reference_check, -20);
+    const cns_law *law = &r.law[CNS_LAW_DIGITS];
+    ck_assert_int_eq(law->n, JOBS - 1);
+    ck_assert(law->fitted);
+    ck_assert_int_eq(law->time.n, 3);
+    for (int i = 0; i < law->n; i++)
+        if (why[i])
+            ck_assert_msg(law->point[i].left_out && strstr(law->point[i].left_out, why[i]), "%d: %s", i,
+                          law->point[i].left_out ? law->point[i].left_out : "not left out");
+        else
+            ck_assert_msg(!law->point[i].left_out && law->point[i].tc == strtod(found[i] + 3, NULL), "%d", i);
+    cns_laws_result_clear(&r);
+
+    free(results[JOBS - 1]);
+    results[JOBS - 1] = strdup("beyond -4.9\n"); /* half of the digits of trust are not left */
+    ck_assert_int_eq(cns_laws_conclude(&work, results, &r, &err), CNS_NUMERIC);
+    cns_laws_result_clear(&r);
+    for (int i = 0; i < JOBS; i++)
+        free(results[i]);
+}
+END_TEST
+
 Suite *suite_laws(void)
 {
     Suite *s = suite_create("laws");
@@ -242,6 +301,7 @@ Suite *suite_laws(void)
     tcase_add_test(t, kept_runs);
     tcase_add_test(t, left_out);
     tcase_add_test(t, smoothing);
+    tcase_add_test(t, concluded_by_hand);
     suite_add_tcase(s, t);
     return s;
 }

@@ -196,6 +196,41 @@ START_TEST(a_branch)
 }
 END_TEST
 
+/* x' = x, y' = x + |x - 1/4| - 1/4 - 2 y: the branch is y = 0 up to the kink at x = 1/4, which its series
+ * does not know of. */
+static void build_kink(cns_program *p, const cns_model *model)
+{
+    (void)model;
+    cns_node x = cns_state(p, 0), y = cns_state(p, 1), quarter = cns_constant(p, "1/4");
+    cns_node kink = cns_abs(p, cns_sub(p, x, quarter));
+    cns_derivative(p, 0, x);
+    cns_derivative(p, 1,
+                   cns_sub(p, cns_sub(p, cns_add(p, x, kink), quarter), cns_mul(p, cns_constant(p, "2"), y)));
+}
+
+START_TEST(a_branch_that_is_none)
+{
+    const cns_model kink = {
+        .name = "kink", .n_states = 2, .states = unit, .build = build_kink, .equilibria = origin};
+    cns_system *s = system_new(&kink, NULL);
+    cns_model_guess guess[CNS_MODEL_MAX_GUESSES];
+    cns_reduced r;
+    cns_fixed_point f;
+    cns_branch b;
+    cns_error err;
+    ck_assert_int_eq(cns_system_guesses(s, guess), 1);
+    check_ok(cns_reduced_open(&r, cns_system_program(s), &err), &err);
+    cns_fixed_point_init(&f, r.d);
+    check_ok(cns_fixed_point_find(&r, guess[0].state, 364, &f, &err), &err);
+    ck_assert_int_eq(cns_branch_open(&b, &r, &f, 0, cns_system_scales(s), 20, 300, &err), CNS_NUMERIC);
+    ck_assert_msg(strstr(err.text, "does not solve the equations (state 1") != NULL, "%s", err.text);
+    cns_branch_close(&b);
+    cns_fixed_point_clear(&f);
+    cns_reduced_close(&r);
+    cns_system_free(s);
+}
+END_TEST
+
 /* The pendulum's branch from its kink: E = y^2 solves dE/dx = 2 (mu - sin x) - 2 d E, E = 0 at the saddle; d
  * = 1/2: E = 2 mu + cos x - sin x + c e^-x. */
 START_TEST(branch_on_kink)
@@ -555,6 +590,7 @@ Suite *suite_manifold(void)
     Suite *s = suite_create("manifold");
     TCase *t = tcase_create("manifold");
     tcase_add_test(t, a_branch);
+    tcase_add_test(t, a_branch_that_is_none);
     tcase_add_test(t, branch_on_kink);
     tcase_add_test(t, homoclinic);
     tcase_add_test(t, heteroclinic);

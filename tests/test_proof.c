@@ -63,6 +63,42 @@ START_TEST(places_are_certain)
 }
 END_TEST
 
+/* The two runs differ in all that a common error could come from: limbs, order, and every step. */
+START_TEST(the_two_runs_differ)
+{
+    long part[] = {80, 60, 40};
+    const cns_schedule schedule = {.n = COUNT(part), .digits = part, .end = 3};
+    cns_system *system = system_new(cns_model_find("apw"), NULL);
+    const cns_problem p = {.system = system};
+    const cns_numerics by_hand[] = {
+        {.method = CNS_METHOD_TAYLOR, .arithmetic = CNS_ARITH_FAST, .digits = 40},
+        {.method = CNS_METHOD_TAYLOR, .arithmetic = CNS_ARITH_FAST, .digits = 40, .order = 30}};
+    for (int i = 0; i < 3; i++) {
+        cns_proof_runs r;
+        if (i == 0)
+            cns_proof_of_goal(&r, &p, part[0] + CNS_ANOTHER_LIMB, &schedule);
+        else
+            cns_proof_of_numerics(&r, &p, &by_hand[i - 1], true);
+        ck_assert_int_eq(r.fine_digits - r.coarse_digits, CNS_ANOTHER_LIMB);
+        ck_assert_int_gt(r.fine.prec, r.coarse.prec + 64);
+        ck_assert_int_gt(r.fine.order, r.coarse.order);
+        ck_assert_double_gt(r.fine.safety, r.coarse.safety);
+        ck_assert(r.fine.verify && r.coarse.verify);
+        ck_assert_double_le(r.fine.tolerance_log2, r.coarse.tolerance_log2 - 64);
+        if (i == 0)
+            for (int k = 0; k < COUNT(part); k++) {
+                const double t = k + 0.5;
+                const long coarse = cns_schedule_at(r.coarse.schedule, t) + r.coarse.schedule_shift,
+                           fine = cns_schedule_at(r.fine.schedule, t) + r.fine.schedule_shift;
+                ck_assert_int_eq(coarse, part[k]);
+                ck_assert_int_eq(fine, part[k] + CNS_ANOTHER_LIMB);
+            }
+        cns_proof_runs_clear(&r);
+    }
+    cns_system_free(system);
+}
+END_TEST
+
 /* Two runs of case 4 to t, of 120 and 98 digits; the finer one may have another value of I. Both differences
  * in log2: of the states, and what noise has grown to in the coarser run. */
 static cns_code two_runs(const char *inertia, const char *t, double *difference, double *noise,
@@ -123,6 +159,7 @@ Suite *suite_proof(void)
     TCase *tc = tcase_create("proof");
     tcase_add_test(tc, errors_are_bounded);
     add_table_test(tc, places_are_certain, certain);
+    tcase_add_test(tc, the_two_runs_differ);
     tcase_add_test(tc, a_rounded_constant_shows);
     suite_add_tcase(suite, tc);
     return suite;

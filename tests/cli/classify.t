@@ -131,6 +131,20 @@ $ grep -c UNPROVEN p || true; grep '^theta' e | cut -d, -f1,3; grep '^theta' p |
 > re:^theta=1\*pi,3\.70660244594701[0-9]{5}$
 > re:^theta=1\*pi,3\.70660244594701[0-9]*,1[0-9]$
 
+= events are named by their conditions
+$ cat > a.yaml; cns run -q a.yaml --events e -o t --section 'theta=1 mod 2' --section 'theta=0 mod 3' --section omega=extremum
+$ grep -v '^#' e | tail -n +2 | cut -d, -f1 | sort -u
+| model: apw
+| initial: {theta: 0.5, Vy: 0.01, omega: 2}
+| time: {end: 10, every: 10}
+| goal: {decimals: 6}
+> omega extremum
+> omega=0
+> theta=1*3
+> theta=1*pi
+> theta=1+0*2
+> theta=1+1*2
+
 = events can be read by those who can read the table
 $ umask 027; cns run -q "$CASES"/flutter.yaml --set time.end=1 --events e -o t; stat -c %a e t
 > 640
