@@ -29,7 +29,10 @@ bool cns_sample_init(cns_sample *s, const cns_program *p, mpfr_prec_t prec)
     s->output = cns_vector_new(s->n_outputs, prec);
     s->growth = 0;
     s->error_log2 = -HUGE_VAL;
-    return s->state && s->output;
+    if (s->state && s->output)
+        return true;
+    cns_sample_clear(s);
+    return false;
 }
 
 void cns_sample_clear(cns_sample *s)

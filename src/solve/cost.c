@@ -121,16 +121,19 @@ static double steps_in(const cns_tally *y, int i, const cns_flow_spec *spec, lon
 
 /* What a step takes, and a row. Asked for its state just beyond the end of the last step, the trajectory
  * makes one step and evaluates it; asked for the same time again it only evaluates, which is what a row
- * takes. The first step of all is not counted: it has more to do. False if nothing could be measured. */
-static bool measure(const cns_problem *p, const cns_flow_spec *spec, bool growth, double steps, level *l,
-                    double *memory)
+ * takes. The first step of all is not counted: it has more to do. *measured: whether there was anything
+ * to measure. A run that fails has been measured up to there; only CNS_STOPPED and CNS_MEMORY are returned.
+ */
+static cns_code measure(const cns_problem *p, const cns_flow_spec *spec, bool growth, double steps, level *l,
+                        bool *measured, double *memory, cns_error *err)
 {
     cns_trajectory_spec of = {.flow = *spec,
                               .initial = cns_system_initial(p->system),
                               .outputs = cns_wants_outputs(p),
                               .no_growth = !growth};
-    cns_error ignored;
-    cns_trajectory *t = cns_trajectory_new(&of, &ignored);
+    cns_error why = {0};
+    cns_trajectory *t = cns_trajectory_new(&of, &why);
+    cns_code code = t ? CNS_OK : why.code;
     cns_sample s = {0};
     mpq_t time, little;
     long counted = 0;
@@ -139,7 +142,9 @@ static bool measure(const cns_problem *p, const cns_flow_spec *spec, bool growth
     mpq_inits(time, little, (mpq_ptr)0);
     mpq_set_ui(little, 1, 1);
     mpq_div_2exp(little, little, 60);
-    if (t && cns_sample_init(&s, cns_system_program(p->system), cns_flow_prec(cns_trajectory_flow(t)))) {
+    if (t && !cns_sample_init(&s, cns_system_program(p->system), cns_flow_prec(cns_trajectory_flow(t))))
+        code = cns_out_of_memory(&why);
+    if (!code) {
         cns_flow *f = cns_trajectory_flow(t);
         bool enough = false;
         for (; !enough && turn < MOST_STEPS; turn++) {
@@ -147,10 +152,12 @@ static bool measure(const cns_problem *p, const cns_flow_spec *spec, bool growth
             mpfr_get_q(time, cns_flow_end(f));
             mpq_add(time, time, little);
             double a = cns_thread_seconds();
-            if (cns_trajectory_at(t, time, &s, &ignored))
+            code = cns_trajectory_at(t, time, &s, &why);
+            if (code)
                 break;
             double b = cns_thread_seconds();
-            if (cns_trajectory_at(t, time, &s, &ignored))
+            code = cns_trajectory_at(t, time, &s, &why);
+            if (code)
                 break;
             double c = cns_thread_seconds();
             spent += c - a;
@@ -171,7 +178,8 @@ static bool measure(const cns_problem *p, const cns_flow_spec *spec, bool growth
     cns_trajectory_free(t);
     cns_sample_clear(&s);
     mpq_clears(time, little, (mpq_ptr)0);
-    return counted > 0;
+    *measured = counted > 0;
+    return code == CNS_STOPPED || code == CNS_MEMORY ? cns_fail(err, code, "%s", why.text) : CNS_OK;
 }
 
 /* y at x on the power law through two points, which is a line between their logarithms. */
@@ -211,9 +219,10 @@ static cns_flow_spec spec_for(const cns_problem *p, const cns_flow_spec *like, l
     return spec;
 }
 
-/* part[i]: what part i of the time takes; the sum is returned. */
-static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long digits, bool growth,
-                          const cns_tally *tally, double rows, double *part, double *steps, double *memory)
+/* part[i]: what part i of the time takes; *seconds: their sum. */
+static cns_code run_seconds(const cns_problem *p, const cns_flow_spec *run, long digits, bool growth,
+                            const cns_tally *tally, double rows, double *part, double *seconds, double *steps,
+                            double *memory, cns_error *err)
 {
     const int parts = run->schedule->n;
     const long last = digits_in(run, parts - 1, digits);
@@ -224,8 +233,8 @@ static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long d
     }
     level l[LEVELS];
     int levels = 0;
-    double seconds = 0, bytes = 0;
-    *steps = 0;
+    double bytes = 0;
+    *steps = *seconds = 0;
     for (int i = 0; i < parts; i++) {
         const long here = digits_in(run, i, digits);
         cns_flow_spec spec = spec_for(p, run, here);
@@ -236,8 +245,11 @@ static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long d
             continue;
         cns_flow_spec spec = spec_for(p, run, asked[i]);
         l[levels].digits = (double)asked[i];
-        if (measure(p, &spec, growth, *steps, &l[levels], i == 0 ? &bytes : NULL))
-            levels++;
+        bool measured;
+        cns_code code = measure(p, &spec, growth, *steps, &l[levels], &measured, i == 0 ? &bytes : NULL, err);
+        if (code)
+            return code;
+        levels += measured;
     }
     *memory += bytes * pow((double)digits / (double)asked[0], 2);
     for (int i = 0; i < parts && levels > 0; i++) {
@@ -246,24 +258,29 @@ static double run_seconds(const cns_problem *p, const cns_flow_spec *run, long d
         double step, row;
         cost_at(l, levels, (double)here, &step, &row);
         part[i] = steps_in(tally, i, &spec, here) * step + rows / parts * row;
-        seconds += part[i];
+        *seconds += part[i];
     }
-    return seconds;
+    return CNS_OK;
 }
 
-void cns_cost_predict(const cns_problem *p, const cns_flow_spec *fine, const cns_flow_spec *coarse,
-                      const cns_tally *tally, cns_run_info *plan)
+cns_code cns_cost_predict(const cns_problem *p, const cns_flow_spec *fine, const cns_flow_spec *coarse,
+                          const cns_tally *tally, cns_run_info *plan, cns_error *err)
 {
     const double rows = cns_number_get_d(p->end) / cns_number_get_d(cns_every(p));
     double in_printed[CNS_PLAN_PARTS] = {0}, in_proof[CNS_PLAN_PARTS] = {0};
-    double ignored, memory = PROGRAM_BYTES, sum = 0;
-    double printed =
-        run_seconds(p, fine, plan->digits, false, tally, rows, in_printed, &plan->steps, &memory);
-    double proof = run_seconds(p, coarse, plan->proof_digits, true, tally, rows, in_proof, &ignored, &memory);
+    double printed, proof, ignored, memory = PROGRAM_BYTES, sum = 0;
+    cns_code code = run_seconds(p, fine, plan->digits, false, tally, rows, in_printed, &printed, &plan->steps,
+                                &memory, err);
+    if (!code)
+        code = run_seconds(p, coarse, plan->proof_digits, true, tally, rows, in_proof, &proof, &ignored,
+                           &memory, err);
+    if (code)
+        return code;
     plan->seconds = cns_monitor_threads(p->monitor) > 1 ? fmax(printed, proof) : printed + proof;
     for (int i = 0; i < CNS_PLAN_PARTS; i++) {
         sum += in_printed[i] + in_proof[i];
         plan->done[i] = printed + proof > 0 ? fmin(1, sum / (printed + proof)) : (i + 1.0) / CNS_PLAN_PARTS;
     }
     plan->memory = memory;
+    return CNS_OK;
 }

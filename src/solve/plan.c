@@ -232,10 +232,9 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         plan->order = runs.fine.order;
         plan->proof_prec = runs.coarse.prec;
         plan->proof_order = runs.coarse.order;
-        cns_cost_predict(p, &runs.fine, &runs.coarse, &tally, plan);
+        code = cns_cost_predict(p, &runs.fine, &runs.coarse, &tally, plan, err);
         cns_proof_runs_clear(&runs);
         plan->seconds += cns_thread_seconds() - since;
-        code = cns_go_on(cns_monitor_stop(p->monitor), err); /* stopped while it measured, it tells nothing */
     }
     cns_trajectory_free(t);
     cns_sample_clear(&s);

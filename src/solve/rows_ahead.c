@@ -83,12 +83,14 @@ cns_ahead *cns_ahead_new(const cns_problem *p, const cns_trajectory_spec *spec, 
     own.met = cns_found_add;
     own.met_context = &a->found;
     a->found.n_states = cns_program_states(cns_system_program(p->system));
-    if (threaded)
-        own.flow.stop = &a->halt;
     a->p = p;
     a->row = first_row;
     pthread_mutex_init(&a->lock, NULL);
     pthread_cond_init(&a->changed, NULL);
+    pthread_mutex_lock(&a->lock); /* the thread waits until there is something to do */
+    a->threaded = threaded && pthread_create(&a->thread, NULL, work, a) == 0;
+    if (a->threaded)
+        own.flow.stop = &a->halt;
     a->t = cns_trajectory_new(&own, err);
     mpfr_prec_t prec = a->t ? cns_flow_prec(cns_trajectory_flow(a->t)) : 0;
     for (; a->t && a->ready < RING; a->ready++)
@@ -96,12 +98,12 @@ cns_ahead *cns_ahead_new(const cns_problem *p, const cns_trajectory_spec *spec, 
             cns_out_of_memory(err);
             break;
         }
-    if (a->ready < RING) {
-        cns_ahead_free(a);
-        return NULL;
-    }
-    a->threaded = threaded && pthread_create(&a->thread, NULL, work, a) == 0;
-    return a;
+    a->halt = a->ready < RING;
+    pthread_mutex_unlock(&a->lock);
+    if (a->ready == RING)
+        return a;
+    cns_ahead_free(a);
+    return NULL;
 }
 
 void cns_ahead_free(cns_ahead *a)
