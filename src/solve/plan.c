@@ -235,6 +235,8 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         code = cns_cost_predict(p, &runs.fine, &runs.coarse, &tally, plan, err);
         cns_proof_runs_clear(&runs);
         plan->seconds += cns_thread_seconds() - since;
+        if (!code) /* what was measured until the stop tells nothing */
+            code = cns_go_on(cns_monitor_stop(p->monitor), err);
     }
     cns_trajectory_free(t);
     cns_sample_clear(&s);
