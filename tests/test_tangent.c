@@ -285,6 +285,75 @@ START_TEST(follows_the_flow)
 }
 END_TEST
 
+/* The trace of the Jacobian: the parts of the tangents along unit vectors that point along those, summed; and
+ * exactly where it is the same rational number everywhere. */
+START_TEST(trace_is_that_of_the_jacobian)
+{
+    static const struct {
+        const char *model, *smooth, *exact;
+    } traces[] = {{"lorenz", NULL, "-41/3"}, {"apw", NULL, NULL}, {"apw", "1/8", NULL}};
+    uint64_t s = test_seed();
+    for (int row = 0; row < COUNT(traces); row++) {
+        cns_program *p = model_program(traces[row].model, traces[row].smooth), *tangent;
+        int index[MAX_STATES], d = cns_dynamic_states(p, index), m = d * (1 + d) + 1;
+        cns_error err;
+        mpq_t exact, expected;
+        mpq_inits(exact, expected, (mpq_ptr)0);
+        check_ok(cns_traced_tangent_program(p, d, &tangent, &err), &err);
+        ck_assert_int_eq(cns_program_states(tangent), m);
+        ck_assert(!cns_program_is_dynamic(tangent, m - 1));
+        cns_jet *T = jet_new(tangent, &cns_arith_mpfr, 1, PREC);
+        mpfr_t *z = cns_vector_xnew(m, PREC), *dz = cns_vector_xnew(m, PREC);
+        for (int i = 0; i < d; i++) {
+            mpfr_set_d(z[i], 2 * test_random_unit(&s) - 1, MPFR_RNDN);
+            mpfr_set_ui(z[d * (1 + i) + i], 1, MPFR_RNDN);
+        }
+        right_hand_side(T, m, z, dz);
+        for (int i = 1; i < d; i++)
+            mpfr_add(dz[d], dz[d], dz[d * (1 + i) + i], MPFR_RNDN);
+        check_close(dz[m - 1], dz[d], 20.0 - PREC, "%s", traces[row].model);
+        ck_assert_int_eq(cns_exact_derivative(tangent, m - 1, exact), traces[row].exact != NULL);
+        if (traces[row].exact != NULL) {
+            mpq_set_str(expected, traces[row].exact, 10);
+            ck_assert(mpq_equal(exact, expected));
+        }
+        mpq_clears(exact, expected, (mpq_ptr)0);
+        cns_vector_free(z);
+        cns_vector_free(dz);
+        cns_jet_free(T);
+        cns_program_free(tangent);
+        cns_program_free(p);
+    }
+}
+END_TEST
+
+/* Derivatives that are numbers: rational ones exactly, others not at all. */
+START_TEST(constant_derivatives_are_exact)
+{
+    static const char *const exact[] = {"-7/12", NULL, NULL, NULL, "0"};
+    cns_program *p = program_new(5, NULL);
+    cns_node a = cns_constant(p, "2/3"), b = cns_constant(p, "0.5"), x = cns_state(p, 0);
+    cns_node sum = cns_sub(p, cns_neg(p, cns_mul(p, a, b)), cns_sqr(p, b)); /* -1/3 - 1/4 */
+    mpq_t y, expected;
+    mpq_inits(y, expected, (mpq_ptr)0);
+    cns_derivative(p, 0, cns_div(p, cns_add(p, sum, sum), cns_constant(p, "2")));
+    cns_derivative(p, 1, cns_mul(p, a, cns_constant(p, "pi")));
+    cns_derivative(p, 2, cns_mul(p, a, cns_sub(p, x, x)));
+    cns_derivative(p, 3, cns_div(p, a, cns_sub(p, b, b)));
+    cns_derivative(p, 4, cns_sub(p, b, b));
+    finished(p);
+    for (int i = 0; i < COUNT(exact); i++) {
+        ck_assert_int_eq(cns_exact_derivative(p, i, y), exact[i] != NULL);
+        if (exact[i] != NULL) {
+            mpq_set_str(expected, exact[i], 10);
+            ck_assert(mpq_equal(y, expected));
+        }
+    }
+    mpq_clears(y, expected, (mpq_ptr)0);
+    cns_program_free(p);
+}
+END_TEST
+
 Suite *suite_tangent(void)
 {
     Suite *s = suite_create("tangent");
@@ -293,6 +362,8 @@ Suite *suite_tangent(void)
     tcase_add_test(t, can_be_repeated);
     tcase_add_test(t, has_the_dynamic_states);
     tcase_add_test(t, by_hand);
+    tcase_add_test(t, trace_is_that_of_the_jacobian);
+    tcase_add_test(t, constant_derivatives_are_exact);
     add_table_test(t, follows_the_flow, flows);
     suite_add_tcase(s, t);
     return s;

@@ -106,9 +106,10 @@ void cns_flow_start(cns_flow *f, const cns_number *initial);
 /* The same with states that are results, not texts: rounded to the flow's precision. */
 void cns_flow_start_at(cns_flow *f, const mpfr_t *initial);
 
-/* Multiplies the states first .. first + count - 1 at t1 by 2^exponent, which is exact: for tangents, whose
- * equations are linear. The next step begins with them; the last step still evaluates to what it was. */
-void cns_flow_rescale(cns_flow *f, int first, int count, long exponent);
+/* Sets the states first .. first + count - 1 at t1 to x, rounded to the flow's precision: for tangents, which
+ * have to be brought back to a common length and to right angles. The next step begins with them; the last
+ * step still evaluates to what it was. */
+void cns_flow_replace(cns_flow *f, int first, int count, const mpfr_t *x);
 
 /* One step: t0 = the old t1. CNS_NUMERIC: singularity, underflow, a number that is not finite, or (verify) a
  * derivative that is not the right-hand side; the message says where. CNS_STOPPED: spec.stop was raised. */

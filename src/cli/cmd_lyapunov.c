@@ -1,17 +1,37 @@
-/* cns lyapunov: the largest exponent, with its error. */
+/* cns lyapunov: the largest exponents, with their errors. */
 #include "cns/study/lyapunov.h"
+
+#include <math.h>
+
 #include "commands.h"
 #include "core/clock.h"
+#include "core/text.h"
 #include "io/provenance.h"
 #include "report.h"
+
+enum { MOST_DECIMALS = 9 };
 
 /* A figure and its error to the same decimals, two significant ones of the error. */
 static int decimals_for(double se)
 {
     int decimals = 1;
-    for (double unit = 0.1; decimals < 9 && se < 9.95 * unit; unit /= 10)
+    for (double unit = 0.1; decimals < MOST_DECIMALS && se < 9.95 * unit; unit /= 10)
         decimals++;
     return decimals;
+}
+
+/* A figure as text, and its error, which is never printed as nothing. */
+typedef struct figure {
+    char value[32], error[32];
+} figure;
+
+static figure figure_of(double value, double se, int decimals)
+{
+    figure f;
+    const double unit = pow(10, -decimals);
+    snprintf(f.value, sizeof f.value, "%.*f", decimals, fabs(value) < 0.5 * unit ? 0 : value);
+    snprintf(f.error, sizeof f.error, "%.*f", decimals, fmax(se, unit));
+    return f;
 }
 
 static void print_arithmetic(FILE *out, const cns_lyapunov_spec *spec, int order)
@@ -24,42 +44,173 @@ static void print_arithmetic(FILE *out, const cns_lyapunov_spec *spec, int order
     fprintf(out, ", Taylor series of order %d, states and tangent alike", order);
 }
 
+static bool has_figure(const cns_lyapunov_result *r)
+{
+    return r->note[0] == '\0';
+}
+
+/* "lambda" of the only one, "lambda2" of more. */
+static const char *with_number(char *text, size_t size, const char *name, const cns_lyapunov_result *r, int i)
+{
+    snprintf(text, size, r->n > 1 ? "%s%d" : "%s", name, i + 1);
+    return text;
+}
+
+static void print_rows(FILE *out, const cns_lyapunov_result *r)
+{
+    char name[32];
+    fprintf(out, "t");
+    for (int i = 0; i < r->n; i++) {
+        fprintf(out, ",%s", with_number(name, sizeof name, has_figure(r) ? "lambda" : "rate", r, i));
+        if (has_figure(r))
+            fprintf(out, ",%s", with_number(name, sizeof name, "se", r, i));
+    }
+    for (int k = 0; k < CNS_LYAPUNOV_ROWS; k++) {
+        fprintf(out, "\n%.9g", r->t[k]);
+        for (int i = 0; i < r->n; i++) {
+            const cns_exponent *e = &r->exponent[i];
+            const figure f = figure_of(e->row[k].lambda, e->row[k].se, decimals_for(e->se));
+            if (has_figure(r))
+                fprintf(out, ",%s,%s", f.value, f.error);
+            else
+                fprintf(out, ",%.4g", e->row[k].lambda);
+        }
+    }
+    fputc('\n', out);
+}
+
+static void print_figures(FILE *out, const char *time, const cns_lyapunov_result *r)
+{
+    char name[32];
+    figure f;
+    for (int i = 0; i < r->n; i++) {
+        const cns_exponent *e = &r->exponent[i];
+        fprintf(out, "# standard error%s by the number of batches, and their length:",
+                r->n > 1 ? with_number(name, sizeof name, " of lambda", r, i) : "");
+        for (int b = 0; b < CNS_LYAPUNOV_COUNTS; b++) {
+            f = figure_of(0, e->batch_se[b], decimals_for(e->se));
+            fprintf(out, "%s %d (%g): %s", b > 0 ? "," : "", r->batches[b], r->time / r->batches[b], f.error);
+        }
+        fputc('\n', out);
+    }
+    for (int i = 0; i < r->n; i++) {
+        const cns_exponent *e = &r->exponent[i];
+        f = figure_of(e->lambda, e->se, decimals_for(e->se));
+        fprintf(out, "# %s = %s +- %s over T = %s\n", with_number(name, sizeof name, "lambda", r, i), f.value,
+                f.error, time);
+    }
+    if (r->n > 1 && isfinite(r->dimension)) {
+        f = figure_of(r->dimension, r->dimension_se, decimals_for(r->dimension_se));
+        if (r->dimension_se > 0)
+            fprintf(out, "# Kaplan-Yorke dimension = %s +- %s\n", f.value, f.error);
+        else
+            fprintf(out, "# Kaplan-Yorke dimension = %g, by the signs of the exponents\n", r->dimension);
+    }
+    if (isfinite(r->sum)) {
+        fprintf(out, "# sum of the exponents = %s", figure_of(r->sum, 0, MOST_DECIMALS).value);
+        fprintf(out, ", mean trace of the Jacobian = %s", figure_of(r->trace, 0, MOST_DECIMALS).value);
+        if (r->exact_trace != NULL)
+            fprintf(out, ", %s everywhere", r->exact_trace);
+        fputc('\n', out);
+    }
+}
+
+/* T, as it was given where it is all of that. */
+static void time_text(char *text, size_t size, const cns_context *cx, const cns_lyapunov_result *r)
+{
+    if (r->changes > 0 && has_figure(r))
+        snprintf(text, size, "%.9g", r->time);
+    else
+        snprintf(text, size, "%s", cx->c->lyapunov.time.text);
+}
+
 static void print_table(FILE *out, const cns_context *cx, const void *result)
 {
     const cns_lyapunov_result *r = result;
     const cns_lyapunov_spec *spec = &cx->c->lyapunov;
-    const int decimals = decimals_for(r->se);
-    cns_provenance_begin(out, cx->c, "largest Lyapunov exponent: ", CNS_PROVENANCE_CASE);
+    char name[32], time[CNS_QUOTE];
+    time_text(time, sizeof time, cx, r);
+    cns_provenance_begin(
+        out, cx->c, r->n > 1 ? "Lyapunov exponents: " : "largest Lyapunov exponent: ", CNS_PROVENANCE_CASE);
     fprintf(out, "# arithmetic: ");
     print_arithmetic(out, spec, r->order);
-    fprintf(
-        out,
-        "\n# transient left out: t < %g\n# a mean over the attractor: at a fixed precision the trajectory is "
-        "shadowed at best, not followed\n",
-        r->discarded);
-    fprintf(out, "t,lambda,se\n");
-    for (int k = 0; k < CNS_LYAPUNOV_ROWS; k++)
-        fprintf(out, "%.9g,%.*f,%.*f\n", r->row[k].t, decimals, r->row[k].lambda, decimals, r->row[k].se);
-    fprintf(out, "# standard error by the number of batches, and their length:");
-    for (int b = 0; b < CNS_LYAPUNOV_COUNTS; b++)
-        fprintf(out, "%s %d (%g): %.*f", b > 0 ? "," : "", r->batch[b].count, r->batch[b].length, decimals,
-                r->batch[b].se);
-    fprintf(out, "\n# lambda = %.*f +- %.*f over T = %s\n", decimals, r->lambda, decimals, r->se,
-            spec->time.text);
+    fprintf(out, "\n# transient left out: t < %g\n", r->discarded);
+    for (int i = 0; i < r->changes; i++) {
+        const cns_lyapunov_change *c = &r->change[i];
+        fprintf(out, "# the rate of %s changes at t about %.3g, from %.4g to %.4g\n",
+                with_number(name, sizeof name, "lambda", r, c->exponent), c->t, c->before, c->after);
+    }
+    if (has_figure(r))
+        fprintf(out,
+                "# a mean over the attractor: at a fixed precision the trajectory is shadowed at best, not "
+                "followed\n");
+    else
+        fprintf(out, "# no figure: %s\n# rates from row to row\n", r->note);
+    print_rows(out, r);
+    if (has_figure(r))
+        print_figures(out, time, r);
     cns_provenance_end(out, NULL);
+}
+
+/* Both values of a figure, in a mapping; null where there is none. */
+static void add_figure(cns_summary *s, const char *name, const char *error_name, double value, double se)
+{
+    const figure f = figure_of(value, se, decimals_for(se));
+    if (isfinite(value))
+        cns_summary_text(s, name, f.value);
+    else
+        cns_summary_number(s, name, NAN, 1);
+    if (isfinite(value))
+        cns_summary_text(s, error_name, f.error);
+    else
+        cns_summary_number(s, error_name, NAN, 1);
+}
+
+static void add_changes(cns_summary *s, const cns_lyapunov_result *r)
+{
+    cns_summary_open_list(s, "changes");
+    for (int i = 0; i < r->changes; i++) {
+        cns_summary_open_mapping(s, NULL);
+        cns_summary_long(s, "exponent", r->change[i].exponent + 1);
+        cns_summary_number(s, "t", r->change[i].t, 3);
+        cns_summary_number(s, "before", r->change[i].before, 4);
+        cns_summary_number(s, "after", r->change[i].after, 4);
+        cns_summary_shut(s);
+    }
+    cns_summary_shut(s);
+}
+
+static void add_spectrum(cns_summary *s, const cns_lyapunov_result *r)
+{
+    cns_summary_open_list(s, "exponents");
+    for (int i = 0; i < r->n; i++) {
+        cns_summary_open_mapping(s, NULL);
+        add_figure(s, "lambda", "se", r->exponent[i].lambda, r->exponent[i].se);
+        cns_summary_shut(s);
+    }
+    cns_summary_shut(s);
+    if (r->n > 1 && isfinite(r->dimension) && r->dimension_se == 0)
+        cns_summary_number(s, "dimension", r->dimension, 9);
+    else if (r->n > 1 && isfinite(r->dimension))
+        add_figure(s, "dimension", "dimension_se", r->dimension, r->dimension_se);
+    if (isfinite(r->sum)) {
+        cns_summary_text(s, "sum", figure_of(r->sum, 0, MOST_DECIMALS).value);
+        cns_summary_text(s, "trace", figure_of(r->trace, 0, MOST_DECIMALS).value);
+    }
+    if (r->exact_trace != NULL)
+        cns_summary_text(s, "exact_trace", r->exact_trace);
 }
 
 static void print_yaml(cns_summary *s, const cns_context *cx, const void *result)
 {
     const cns_lyapunov_result *r = result;
-    char text[32];
-    const int decimals = decimals_for(r->se);
-    snprintf(text, sizeof text, "%.*f", decimals, r->lambda);
-    cns_summary_text(s, "lambda", text);
-    snprintf(text, sizeof text, "%.*f", decimals, r->se);
-    cns_summary_text(s, "lambda_se", text);
-    cns_summary_text(s, "time", cx->c->lyapunov.time.text);
+    char time[CNS_QUOTE];
+    time_text(time, sizeof time, cx, r);
+    add_figure(s, "lambda", "lambda_se", r->exponent[0].lambda, r->exponent[0].se);
+    cns_summary_text(s, "time", time);
     cns_summary_number(s, "discarded", r->discarded, 9);
+    if (r->changes > 0)
+        add_changes(s, r);
     cns_summary_long(s, "order", r->order);
     cns_summary_long(s, "steps", r->steps);
     cns_summary_long(s, "landings", r->landings);
@@ -67,12 +218,15 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
     cns_summary_open_list(s, "batches");
     for (int b = 0; b < CNS_LYAPUNOV_COUNTS; b++) {
         cns_summary_open_mapping(s, NULL);
-        cns_summary_long(s, "count", r->batch[b].count);
-        cns_summary_number(s, "length", r->batch[b].length, 9);
-        cns_summary_number(s, "se", r->batch[b].se, 3);
+        cns_summary_long(s, "count", r->batches[b]);
+        cns_summary_number(s, "length", r->time / r->batches[b], 9);
+        cns_summary_number(s, "se", r->exponent[0].batch_se[b], 3);
         cns_summary_shut(s);
     }
     cns_summary_shut(s);
+    add_spectrum(s, r);
+    if (!has_figure(r))
+        cns_summary_text(s, "note", r->note);
 }
 
 static const cns_view view = {.text = print_table, .yaml = print_yaml, .to_file = true};
@@ -82,10 +236,11 @@ static int run(cns_context *cx)
     cns_error err = {0};
     cns_lyapunov_result r;
     cns_code code = cns_lyapunov(cx->system, &cx->c->lyapunov, &cx->monitor, &r, &err);
-    int status = cns_report(cx, code, &err, &view, code ? NULL : &r);
+    int status = cns_report(cx, code, &err, &view, !code || code == CNS_UNREACHED ? &r : NULL);
     if (!status && cx->o->verbose)
         fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", r.steps, r.landings,
                 cns_seconds() - cx->since);
+    cns_lyapunov_result_clear(&r);
     return status;
 }
 

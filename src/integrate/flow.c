@@ -131,10 +131,10 @@ static void restart(cns_flow *f)
     f->ops->start(f->stepper);
 }
 
-void cns_flow_rescale(cns_flow *f, int first, int count, long exponent)
+void cns_flow_replace(cns_flow *f, int first, int count, const mpfr_t *x)
 {
-    for (int i = first; i < first + count; i++)
-        mpfr_mul_2si(f->x1[i], f->x1[i], exponent, MPFR_RNDN);
+    for (int i = 0; i < count; i++)
+        mpfr_set(f->x1[first + i], x[i], MPFR_RNDN);
 }
 
 void cns_flow_start(cns_flow *f, const cns_number *initial)

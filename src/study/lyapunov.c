@@ -1,190 +1,279 @@
 #include "cns/study/lyapunov.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "batches.h"
 #include "core/memory.h"
 #include "core/monitor.h"
-#include "integrate/numerics.h"
-#include "num/logs.h"
+#include "frame.h"
 #include "taylor/tangent.h"
 
 enum {
-    BLOCKS = 2048, /* growth is recorded this often: 64 to a row of the table */
-    BATCHES = 32,  /* for the standard error */
-    BLOCKS_PER_ROW = BLOCKS / CNS_LYAPUNOV_ROWS,
-    DISCARDED_PART = 10,
-    /* In double: measured to be the quickest for the falling disk, at a tolerance next to the rounding. */
-    DOUBLE_ORDER = 22,
-    DOUBLE_TOLERANCE_LOG2 = -50
+    PARTS = 8,                     /* of the time: as many as are left out, or not, as a whole */
+    PART = 32 * CNS_LYAPUNOV_ROWS, /* blocks: 32 batches of one block in the first row of one part */
+    BLOCKS = PARTS * PART,         /* growth is recorded this often */
+    BATCHES = 32,                  /* for the standard error */
+    TESTED = 8,                    /* blocks in a term of the search for a change */
+    TRANSIENT_PART = 10            /* the transient that is always left out is such a part of the time */
 };
 
 static const int batch_counts[CNS_LYAPUNOV_COUNTS] = {16, 32, 64, 128};
-static const double ln_2 = 0.69314718055994530942;
+static const double invisible = 0.5e-9; /* differences of exponents that nine decimals do not show */
+static const double covered = 2;        /* standard errors: the error tells of changes so small */
+static const double below = 3;          /* standard errors below zero: negative */
 
-typedef struct walk {
-    int d; /* dynamic states */
-    int order;
-    int *index;
-    double *scales; /* of the 2 d states of the tangent program */
-    cns_number *initial;
-    cns_program *program;
-    cns_flow *flow;
-    mpfr_t *x;
-    mpq_t time;
-    long exponent; /* the tangent is v 2^exponent */
-} walk;
+/* Growth at the ends of blocks, from the first one's beginning on. */
+typedef struct record {
+    int n, d;
+    double block;   /* its length */
+    double *growth; /* of exponent i at the end of block k - 1: [i * (BLOCKS + 1) + k] */
+    double *rate;   /* of exponent i in block k: [i * BLOCKS + k] */
+    double *trace;  /* its integral, like growth; NULL: not followed */
+} record;
 
-/* Any direction will do that no symmetry of a model singles out: parts of multiples of the golden ratio. */
-static double direction(int i)
+static cns_code follow(record *r, cns_frame *f, double discarded, const cns_monitor *monitor, cns_error *err)
 {
-    double x = (i + 1) * 0.61803398874989484820;
-    return x - floor(x);
+    const int lead = BLOCKS / TRANSIENT_PART;
+    double *growth = cns_xalloc((size_t)r->n, sizeof *growth), trace = 0;
+    cns_code code = CNS_OK;
+    for (int k = 1 - lead; k <= BLOCKS && !code; k++) {
+        const double t = discarded + k * r->block;
+        code = cns_frame_at(f, t, growth, &trace, err);
+        for (int i = 0; i < r->n && k >= 0; i++)
+            r->growth[i * (BLOCKS + 1) + k] = growth[i];
+        if (r->trace && k >= 0)
+            r->trace[k] = trace;
+        cns_monitor_tell(monitor, (double)(k + lead) / (BLOCKS + lead),
+                         r->n > 1 ? "exponents" : "largest exponent");
+    }
+    free(growth);
+    for (int i = 0; i < r->n && !code; i++)
+        for (int k = 0; k < BLOCKS; k++)
+            r->rate[i * BLOCKS + k] =
+                (r->growth[i * (BLOCKS + 1) + k + 1] - r->growth[i * (BLOCKS + 1) + k]) / r->block;
+    return code;
 }
 
-static cns_code walk_open(walk *w, const cns_system *s, const cns_lyapunov_spec *l,
-                          const volatile sig_atomic_t *stop, cns_error *err)
+/* The mean of exponent i over blocks from..to-1. */
+static double mean(const record *r, int i, int from, int to)
 {
-    const cns_program *program = cns_system_program(s);
-    const int n = cns_program_states(program);
-    *w = (walk){.d = 0};
-    mpq_init(w->time);
-    w->index = cns_xalloc((size_t)n + 1, sizeof *w->index);
-    w->d = cns_dynamic_states(program, w->index);
-    if (w->d == 0)
-        return cns_fail(err, CNS_NUMERIC, "no state feeds back on another: there is no exponent to find");
-    w->scales = cns_xalloc(2 * (size_t)w->d, sizeof *w->scales);
-    w->initial = cns_xalloc(2 * (size_t)w->d, sizeof *w->initial);
-    w->x = cns_xalloc(2 * (size_t)w->d, sizeof *w->x);
-    for (int i = 0; i < w->d; i++) {
-        const double scale = cns_system_scales(s)[w->index[i]];
-        w->scales[i] = w->scales[w->d + i] = scale;
-        cns_number_init(&w->initial[i]);
-        cns_number_set(&w->initial[i], &cns_system_initial(s)[w->index[i]]);
-        cns_number_init(&w->initial[w->d + i]);
-        mpq_set_d(w->initial[w->d + i].ratio, l->tangent ? l->tangent[i] : scale * direction(i));
-    }
-    cns_code code = cns_tangent_program(program, 1, &w->program, err);
-    if (code)
-        return code;
-    const bool in_double = l->arithmetic == CNS_ARITH_DOUBLE;
-    cns_flow_spec spec =
-        cns_flow_spec_taylor(w->program, w->scales, l->arithmetic, in_double ? CNS_DOUBLE_DIGITS : l->digits);
-    if (in_double) {
-        spec.order = DOUBLE_ORDER;
-        spec.tolerance_log2 = DOUBLE_TOLERANCE_LOG2;
-    }
-    spec.stop = stop;
-    for (int i = 0; i < 2 * w->d; i++)
-        mpfr_init2(w->x[i], spec.prec);
-    w->order = spec.order;
-    w->flow = cns_flow_new(&spec, err);
-    if (!w->flow)
-        return err->code;
-    cns_flow_start(w->flow, w->initial);
-    return CNS_OK;
+    const double *growth = r->growth + i * (BLOCKS + 1);
+    return (growth[to] - growth[from]) / ((to - from) * r->block);
 }
 
-static void walk_close(walk *w)
+static double error(const record *r, int i, int from, int to, int batches)
 {
-    for (int i = 0; w->x && i < 2 * w->d; i++) {
-        cns_number_clear(&w->initial[i]);
-        if (w->program)
-            mpfr_clear(w->x[i]);
-    }
-    cns_flow_free(w->flow);
-    cns_program_free(w->program);
-    mpq_clear(w->time);
-    free(w->index);
-    free(w->scales);
-    free(w->initial);
-    free(w->x);
+    return cns_batch_error(r->rate + i * BLOCKS + from, to - from, batches);
 }
 
-/* The tangent's length in the scales of its states. */
-static double length(const walk *w, const mpfr_t *x)
+/* The last block before the rate of an exponent changes, of those that change from block `from` on; false:
+ * none does. */
+static bool find_change(const record *r, int from, int *at, cns_lyapunov_change *change)
 {
-    double sum = 0;
-    for (int i = w->d; i < 2 * w->d; i++) {
-        double v = mpfr_get_d(x[i], MPFR_RNDN) / w->scales[i];
-        sum += v * v;
+    *at = 0;
+    for (int i = 0; i < r->n; i++) {
+        const double least = fmax(covered * error(r, i, from, BLOCKS, BATCHES), invisible);
+        const int k = cns_find_change(r->rate + i * BLOCKS + from, BLOCKS - from, TESTED, least);
+        if (k == 0 || from + k <= *at)
+            continue;
+        *at = from + k;
+        *change = (cns_lyapunov_change){
+            .exponent = i, .before = mean(r, i, from, *at), .after = mean(r, i, *at, BLOCKS)};
     }
-    return sqrt(sum);
+    return *at > 0;
 }
 
-/* Tolerances are relative to the scales, so the tangent is kept at length 0.5 to 1 where a step begins. */
-static cns_code renormalise(walk *w, cns_error *err)
+static const char *name_of(char *text, size_t size, const record *r, int i)
 {
-    int e;
-    double l = length(w, cns_flow_state(w->flow));
-    if (!(l > 0) || !isfinite(l))
-        return cns_fail(err, CNS_NUMERIC,
-                        "t = %.12g: the tangent vanishes, or grows out of range in one step",
-                        mpfr_get_d(cns_flow_end(w->flow), MPFR_RNDN));
-    frexp(l, &e);
-    if (e != 0)
-        cns_flow_rescale(w->flow, w->d, w->d, -e);
-    w->exponent += e;
-    return CNS_OK;
+    snprintf(text, size, r->n > 1 ? "exponent %d" : "the tangent's growth", i + 1);
+    return text;
 }
 
-/* ln |v(t)|, t not before that of the last call. */
-static cns_code growth_at(walk *w, double t, double *growth, cns_error *err)
+/* Do the batches from block `from` on remember each other? Then the note says so. */
+static bool remember(const record *r, int from, cns_lyapunov_result *result)
 {
-    mpq_set_d(w->time, t);
-    while (cns_flow_steps(w->flow) == 0 || mpfr_cmp_q(cns_flow_end(w->flow), w->time) < 0) {
-        cns_code code = renormalise(w, err);
-        if (!code)
-            code = cns_flow_step(w->flow, err);
-        if (code)
-            return code;
+    char name[32];
+    for (int i = 0; i < r->n; i++)
+        if (error(r, i, from, BLOCKS, BATCHES) > invisible &&
+            cns_batches_remember(r->rate + i * BLOCKS + from, BLOCKS - from, BATCHES)) {
+            snprintf(result->note, sizeof result->note,
+                     "the rate of %s varies over longer than the %.3g that a batch lasts",
+                     name_of(name, sizeof name, r, i), (BLOCKS - from) * r->block / BATCHES);
+            return true;
+        }
+    return false;
+}
+
+/* The block from which on growth is stationary; BLOCKS: there is none, and the note says why. */
+static int find_beginning(const record *r, double discarded, cns_lyapunov_result *result)
+{
+    char name[32];
+    cns_lyapunov_change *c = result->change;
+    int at, from = 0;
+    for (; result->changes < CNS_LYAPUNOV_CHANGES && from < BLOCKS; result->changes++, c++) {
+        if (!find_change(r, from, &at, c))
+            return remember(r, from, result) ? BLOCKS : from;
+        c->t = discarded + at * r->block;
+        /* The place of a change is known to about a batch. */
+        from = (at + (BLOCKS - from) / BATCHES + PART - 1) / PART * PART;
     }
-    cns_flow_eval(w->flow, w->time, w->x);
-    double l = length(w, (const mpfr_t *)w->x);
-    if (!(l > 0) || !isfinite(l))
-        return cns_fail(err, CNS_NUMERIC,
-                        "t = %.12g: the tangent vanishes, or grows out of range in one step", t);
-    *growth = cns_log2_2exp(l, w->exponent) * ln_2;
-    return CNS_OK;
+    name_of(name, sizeof name, r, result->change[0].exponent);
+    if (result->changes > 1)
+        snprintf(result->note, sizeof result->note,
+                 "the rate of %s changes at t about %.3g, from %.3g to %.3g, and again at t about %.3g", name,
+                 result->change[0].t, result->change[0].before, result->change[0].after, result->change[1].t);
+    else
+        snprintf(result->note, sizeof result->note,
+                 "the rate of %s changes at t about %.3g, from %.3g to %.3g, and too little time follows",
+                 name, result->change[0].t, result->change[0].before, result->change[0].after);
+    return BLOCKS;
+}
+
+/* Exponent i over the blocks from `from` on. */
+static void measure(const record *r, int i, int from, cns_exponent *e)
+{
+    const int n = BLOCKS - from;
+    for (int k = 0; k < CNS_LYAPUNOV_ROWS; k++) {
+        const int to = from + (k + 1) * (n / CNS_LYAPUNOV_ROWS);
+        e->row[k].lambda = mean(r, i, from, to);
+        e->row[k].se = error(r, i, from, to, BATCHES);
+    }
+    e->lambda = e->row[CNS_LYAPUNOV_ROWS - 1].lambda;
+    e->se = e->row[CNS_LYAPUNOV_ROWS - 1].se;
+    for (int b = 0; b < CNS_LYAPUNOV_COUNTS; b++)
+        e->batch_se[b] = error(r, i, from, BLOCKS, batch_counts[b]);
+}
+
+/* How exponent i grew where there is no figure. */
+static void tell(const record *r, int i, cns_exponent *e)
+{
+    const int n = BLOCKS / CNS_LYAPUNOV_ROWS;
+    for (int k = 0; k < CNS_LYAPUNOV_ROWS; k++)
+        e->row[k] = (cns_lyapunov_figure){mean(r, i, k * n, (k + 1) * n), NAN};
+    e->lambda = e->se = NAN;
+    for (int b = 0; b < CNS_LYAPUNOV_COUNTS; b++)
+        e->batch_se[b] = NAN;
+}
+
+/* The error of sum_i weight[i] lambda_i over the blocks from `from` on. */
+static double combined_error(const record *r, const double *weight, int from)
+{
+    double *x = cns_xalloc((size_t)(BLOCKS - from), sizeof *x);
+    for (int i = 0; i < r->n; i++)
+        for (int k = from; k < BLOCKS; k++)
+            x[k - from] += weight[i] * r->rate[i * BLOCKS + k];
+    const double se = cns_batch_error(x, BLOCKS - from, BATCHES);
+    free(x);
+    return se;
+}
+
+static void find_dimension(const record *r, int from, cns_lyapunov_result *result)
+{
+    double *weight = cns_xalloc((size_t)r->n, sizeof *weight), sum = 0;
+    int j = 0;
+    for (; j < r->n; j++) {
+        const double next = sum + result->exponent[j].lambda;
+        weight[j] = 1;
+        if (next < -below * combined_error(r, weight, from) - invisible)
+            break;
+        sum = next;
+    }
+    result->dimension = j < r->n || r->n == r->d ? (double)j : NAN; /* j = n = d: no volume shrinks */
+    result->dimension_se = 0;
+    if (j > 0 && j < r->n) { /* with s the sum and l the next exponent: d(j - s/l) = -ds/l + s dl/l^2 */
+        const double l = result->exponent[j].lambda;
+        for (int i = 0; i < j; i++)
+            weight[i] = -1 / l;
+        weight[j] = sum / (l * l);
+        result->dimension = j - sum / l;
+        result->dimension_se = combined_error(r, weight, from);
+    }
+    free(weight);
+}
+
+static void find_sum(const record *r, const cns_frame *f, int from, cns_lyapunov_result *result)
+{
+    mpq_t trace;
+    if (r->trace == NULL)
+        return;
+    result->sum = 0;
+    for (int i = 0; i < r->n; i++)
+        result->sum += result->exponent[i].lambda;
+    result->trace = (r->trace[BLOCKS] - r->trace[from]) / ((BLOCKS - from) * r->block);
+    mpq_init(trace);
+    if (cns_frame_constant_trace(f, trace)) {
+        result->exact_trace = mpq_get_str(NULL, 10, trace);
+        result->trace = mpq_get_d(trace);
+    }
+    mpq_clear(trace);
 }
 
 cns_code cns_lyapunov(const cns_system *s, const cns_lyapunov_spec *spec, const cns_monitor *monitor,
                       cns_lyapunov_result *result, cns_error *err)
 {
-    walk w;
-    double rate[BLOCKS], start = 0, before = 0;
     const double time = cns_number_get_d(&spec->time);
-    *result = (cns_lyapunov_result){.discarded = time / DISCARDED_PART};
-    cns_code code = walk_open(&w, s, spec, cns_monitor_stop(monitor), err);
-    for (int k = 1 - BLOCKS / DISCARDED_PART; !code && k <= BLOCKS; k++) {
-        const double block = time / BLOCKS, t = result->discarded + k * block;
-        double growth = 0;
-        code = growth_at(&w, t, &growth, err);
-        if (code)
-            break;
-        if (k <= 0)
-            start = growth;
-        else
-            rate[k - 1] = (growth - before) / block;
-        before = growth;
-        if (k > 0 && k % BLOCKS_PER_ROW == 0)
-            result->row[k / BLOCKS_PER_ROW - 1] = (cns_lyapunov_row){
-                .t = t, .lambda = (growth - start) / (k * block), .se = cns_batch_error(rate, k, BATCHES)};
-        cns_monitor_tell(monitor, t / (result->discarded + time), "largest exponent");
-    }
+    *result = (cns_lyapunov_result){.discarded = time / TRANSIENT_PART, .time = time};
+    int *index = cns_xalloc((size_t)cns_program_states(cns_system_program(s)) + 1, sizeof *index);
+    const int d = cns_dynamic_states(cns_system_program(s), index);
+    free(index);
+    const cns_frame_spec frame = {.system = s,
+                                  .arithmetic = spec->arithmetic,
+                                  .digits = spec->digits,
+                                  .vectors = spec->exponents,
+                                  .first = spec->tangent,
+                                  .traced =
+                                      spec->exponents != 1 && (spec->exponents == 0 || spec->exponents == d),
+                                  .stop = cns_monitor_stop(monitor)};
+    cns_frame *f = cns_frame_new(&frame, err);
+    if (f == NULL)
+        return err->code;
+    const size_t n = (size_t)cns_frame_vectors(f);
+    record r = {.n = (int)n, .d = d, .block = time / BLOCKS};
+    r.growth = cns_xalloc(n * (BLOCKS + 1), sizeof *r.growth);
+    r.rate = cns_xalloc(n * BLOCKS, sizeof *r.rate);
+    r.trace = frame.traced ? cns_xalloc(BLOCKS + 1, sizeof *r.trace) : NULL;
+    cns_code code = follow(&r, f, result->discarded, monitor, err);
     if (!code) {
-        result->lambda = result->row[CNS_LYAPUNOV_ROWS - 1].lambda;
-        result->se = result->row[CNS_LYAPUNOV_ROWS - 1].se;
-        for (int b = 0; b < CNS_LYAPUNOV_COUNTS; b++) {
-            result->batch[b].count = batch_counts[b];
-            result->batch[b].length = time / batch_counts[b];
-            result->batch[b].se = cns_batch_error(rate, BLOCKS, batch_counts[b]);
+        int from = find_beginning(&r, result->discarded, result);
+        const bool found = from < BLOCKS;
+        from = found ? from : 0;
+        result->n = r.n;
+        result->exponent = cns_xalloc(n, sizeof *result->exponent);
+        result->discarded += from * r.block;
+        result->time = (BLOCKS - from) * r.block;
+        for (int i = 0; i < r.n; i++)
+            if (found)
+                measure(&r, i, from, &result->exponent[i]);
+            else
+                tell(&r, i, &result->exponent[i]);
+        for (int k = 0; k < CNS_LYAPUNOV_ROWS; k++)
+            result->t[k] = result->discarded + (k + 1) * (BLOCKS - from) / CNS_LYAPUNOV_ROWS * r.block;
+        for (int b = 0; b < CNS_LYAPUNOV_COUNTS; b++)
+            result->batches[b] = batch_counts[b];
+        result->dimension = result->dimension_se = result->sum = result->trace = NAN;
+        if (found) {
+            find_dimension(&r, from, result);
+            find_sum(&r, f, from, result);
         }
-        result->order = w.order;
-        result->steps = cns_flow_steps(w.flow);
-        result->landings = cns_flow_landings(w.flow);
+        result->order = cns_frame_order(f);
+        result->steps = cns_flow_steps(cns_frame_flow(f));
+        result->landings = cns_flow_landings(cns_frame_flow(f));
+        if (!found)
+            code = cns_fail(err, CNS_UNREACHED, "no figure: %s: take a longer lyapunov.time", result->note);
     }
-    walk_close(&w);
+    free(r.growth);
+    free(r.rate);
+    free(r.trace);
+    cns_frame_free(f);
     return code;
+}
+
+void cns_lyapunov_result_clear(cns_lyapunov_result *r)
+{
+    free(r->exponent);
+    free(r->exact_trace);
+    r->exponent = NULL;
+    r->exact_trace = NULL;
 }

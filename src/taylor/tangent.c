@@ -35,6 +35,14 @@ cns_node cns_over(const cns_direction *d, cns_node da, cns_node b)
     return da < 0 ? -1 : cns_div(d->q, da, b);
 }
 
+cns_node cns_component(const cns_direction *d)
+{
+    const int component = d->component[d->node->index];
+    return component == CNS_COMPONENT_ONE    ? cns_constant(d->q, "1")
+           : component == CNS_COMPONENT_ZERO ? -1
+                                             : cns_state(d->q, component);
+}
+
 /* Which nodes of p the derivatives of its dynamic states need, companions included. */
 static void mark_wanted(const cns_program *p, const int *index, int dims, bool *wanted)
 {
@@ -88,7 +96,35 @@ static cns_node with_factor(cns_program *q, const cns_program *p, int i, const c
     return p->factor[i] < 0 || f < 0 ? f : cns_mul(q, map[p->factor[i]], f);
 }
 
-cns_code cns_tangent_program(const cns_program *p, int directions, cns_program **tangent, cns_error *err)
+/* Writes into q the tangent vectors of p's dynamic states (as cns_tangent_program() has them), and then, if
+ * `traced`, the integral of the trace: the sum over k of component k of the derivative along unit vector k.
+ */
+static void write_tangents(cns_program *q, const cns_program *p, const int *index, int dims, int directions,
+                           bool traced, const bool *wanted, const cns_node *map, int *component, cns_node *d)
+{
+    for (int j = 0; j < directions; j++) {
+        for (int k = 0; k < dims; k++)
+            component[index[k]] = dims * (1 + j) + k;
+        derive(q, p, wanted, map, component, d);
+        for (int k = 0; k < dims; k++) {
+            cns_node f = with_factor(q, p, index[k], map, d[p->derivative[index[k]]]);
+            cns_derivative(q, component[index[k]], f < 0 ? cns_constant(q, "0") : f);
+        }
+    }
+    cns_node trace = -1;
+    for (int k = 0; k < dims && traced; k++) {
+        for (int i = 0; i < dims; i++)
+            component[index[i]] = i == k ? CNS_COMPONENT_ONE : CNS_COMPONENT_ZERO;
+        derive(q, p, wanted, map, component, d);
+        cns_node f = with_factor(q, p, index[k], map, d[p->derivative[index[k]]]);
+        trace = f < 0 ? trace : trace < 0 ? f : cns_add(q, trace, f);
+    }
+    if (traced)
+        cns_derivative(q, dims * (1 + directions), trace < 0 ? cns_constant(q, "0") : trace);
+}
+
+static cns_code variational(const cns_program *p, int directions, bool traced, cns_program **tangent,
+                            cns_error *err)
 {
     int *index = malloc(((size_t)p->n_states + 1) * sizeof *index);
     int *state = malloc(((size_t)p->n_states + 1) * sizeof *state);
@@ -102,9 +138,9 @@ cns_code cns_tangent_program(const cns_program *p, int directions, cns_program *
     if (index && state && component && map && d && wanted) {
         int dims = cns_dynamic_states(p, index);
         cns_program_options options = {.smooth = p->is_smooth ? &p->smooth : NULL};
-        q = cns_program_new(dims * (1 + directions), p->n_parameters, p->parameters, &options);
+        q = cns_program_new(dims * (1 + directions) + traced, p->n_parameters, p->parameters, &options);
         for (int k = 0; k < p->n_states; k++)
-            state[k] = component[k] = -1;
+            state[k] = component[k] = CNS_COMPONENT_ZERO;
         for (int k = 0; k < dims; k++)
             state[index[k]] = k;
         for (int k = 0; q && k < dims * (1 + directions); k++) {
@@ -117,15 +153,8 @@ cns_code cns_tangent_program(const cns_program *p, int directions, cns_program *
             map[v] = wanted[v] ? copy(q, p, v, map, state) : -1;
         for (int k = 0; q && k < dims; k++)
             cns_derivative(q, k, with_factor(q, p, index[k], map, map[p->derivative[index[k]]]));
-        for (int j = 0; q && j < directions; j++) {
-            for (int k = 0; k < dims; k++)
-                component[index[k]] = dims * (1 + j) + k;
-            derive(q, p, wanted, map, component, d);
-            for (int k = 0; k < dims; k++) {
-                cns_node f = with_factor(q, p, index[k], map, d[p->derivative[index[k]]]);
-                cns_derivative(q, component[index[k]], f < 0 ? cns_constant(q, "0") : f);
-            }
-        }
+        if (q)
+            write_tangents(q, p, index, dims, directions, traced, wanted, map, component, d);
         if (q)
             code = cns_program_finish(q, err);
     }
@@ -142,4 +171,43 @@ cns_code cns_tangent_program(const cns_program *p, int directions, cns_program *
     else
         *tangent = q;
     return code;
+}
+
+cns_code cns_tangent_program(const cns_program *p, int directions, cns_program **tangent, cns_error *err)
+{
+    return variational(p, directions, false, tangent, err);
+}
+
+cns_code cns_traced_tangent_program(const cns_program *p, int directions, cns_program **tangent,
+                                    cns_error *err)
+{
+    return variational(p, directions, true, tangent, err);
+}
+
+/* Sets y to node v if that is a rational number, made of such ones. */
+static bool exact_node(const cns_program *p, cns_node v, mpq_t y)
+{
+    const cns_program_node *n = &p->node[v];
+    const cns_operation *op = cns_operations[n->op];
+    mpq_t x[4];
+    bool is = n->constant && op->exact != NULL;
+    for (int k = 0; k < 4; k++)
+        mpq_init(x[k]);
+    for (int k = 0; k < op->operands && is; k++)
+        is = exact_node(p, n->arg[k], x[k]);
+    is = is && op->exact(p, n, (const mpq_t *)x, y);
+    for (int k = 0; k < 4; k++)
+        mpq_clear(x[k]);
+    return is;
+}
+
+bool cns_exact_derivative(const cns_program *p, int i, mpq_t y)
+{
+    mpq_t factor;
+    mpq_init(factor);
+    bool is = exact_node(p, p->derivative[i], y) && (p->factor[i] < 0 || exact_node(p, p->factor[i], factor));
+    if (is && p->factor[i] >= 0)
+        mpq_mul(y, y, factor);
+    mpq_clear(factor);
+    return is;
 }

@@ -10,6 +10,14 @@
  * changes, as the right-hand side is continuous there (the saltation matrix is the identity). */
 cns_code cns_tangent_program(const cns_program *p, int directions, cns_program **tangent, cns_error *err);
 
+/* The same with one state more, the last: its derivative is the trace of the Jacobian of the dynamic states,
+ * so that it grows by the integral of that. Nothing feeds back on it. */
+cns_code cns_traced_tangent_program(const cns_program *p, int directions, cns_program **tangent,
+                                    cns_error *err);
+
+/* Sets y to d state_i/dt if that is the same rational number everywhere, by the texts of its constants. */
+bool cns_exact_derivative(const cns_program *p, int i, mpq_t y);
+
 /* The number of dynamic states, and which they are: index[0..d-1]. */
 int cns_dynamic_states(const cns_program *p, int *index);
 

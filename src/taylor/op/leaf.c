@@ -15,6 +15,13 @@ static cns_code set_number(cns_jet *J, int v, const cns_number *x)
     return CNS_OK;
 }
 
+/* Sets y to x, unless pi is in it. */
+static bool is_rational(mpq_t y, const cns_number *x)
+{
+    mpq_set(y, x->ratio);
+    return x->pi_power == 0;
+}
+
 /* constant: number `index` of the program's constants; -1: eps of its smoothed absolute values. */
 
 static const cns_number *constant_of(const cns_program *p, const cns_program_node *n)
@@ -30,7 +37,8 @@ static cns_code constant_recurrence(cns_jet *J, int v, int n, cns_error *err)
 
 CNS_DERIVE(constant, -1)
 CNS_ENCLOSE(constant, cns_ball_number(e->y, constant_of(e->p, e->node), e->prec))
-CNS_OPERATION(constant, 0, known_already, cns_never_vanishes, NULL);
+CNS_EXACT(constant, is_rational(y, constant_of(p, n)))
+CNS_OPERATION(constant, 0, known_already, cns_never_vanishes, NULL, .exact = constant_exact);
 
 /* parameter: number `index` of the program's parameters. */
 
@@ -42,7 +50,8 @@ static cns_code parameter_recurrence(cns_jet *J, int v, int n, cns_error *err)
 
 CNS_DERIVE(parameter, -1)
 CNS_ENCLOSE(parameter, cns_ball_number(e->y, &e->p->parameters[e->node->index], e->prec))
-CNS_OPERATION(parameter, 0, known_already, cns_never_vanishes, NULL);
+CNS_EXACT(parameter, is_rational(y, &p->parameters[n->index]))
+CNS_OPERATION(parameter, 0, known_already, cns_never_vanishes, NULL, .exact = parameter_exact);
 
 /* state: state `index`. */
 
@@ -58,6 +67,6 @@ static bool state_vanishes(const cns_jet *J, int v)
     return J->state_vanishes[J->p->node[v].index];
 }
 
-CNS_DERIVE(state, cns_state(d->q, d->component[d->node->index]))
+CNS_DERIVE(state, cns_component(d))
 CNS_ENCLOSE(state, arb_set(e->y, e->state + e->node->index))
 CNS_OPERATION(state, 0, known_already, state_vanishes, NULL);

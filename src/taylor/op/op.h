@@ -21,7 +21,8 @@ typedef enum cns_op {
 
 struct cns_jet; /* jet_internal.h */
 struct cns_watched;
-struct cns_direction; /* rules.h */
+struct cns_program_node; /* program_internal.h */
+struct cns_direction;    /* rules.h */
 struct cns_enclosure;
 
 /* An operation by its rules. w is its result, node v of a program; its operands are other nodes. */
@@ -50,6 +51,10 @@ typedef struct cns_operation {
 
     /* Encloses w where the operands are in given balls. */
     void (*enclose)(const struct cns_enclosure *e);
+
+    /* Sets y to w for rational operands x; false: it is not rational, or there is none. NULL: not in general.
+     */
+    bool (*exact)(const cns_program *p, const struct cns_program_node *n, const mpq_t *x, mpq_t y);
 
     /* Where w is a sum or a product and has one user, which only adds it to its own accumulator, it need not
      * be stored: it is folded into its user. accumulate adds sign * (coefficient n of w) to the accumulator;

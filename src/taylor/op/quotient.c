@@ -38,4 +38,5 @@ static bool div_vanishes(const cns_jet *J, int v)
 
 CNS_DERIVE(div, cns_over(d, cns_plus(d, d->dx[0], cns_minus(d, cns_times(d, d->w, d->dx[1]))), d->x[1]))
 CNS_ENCLOSE(div, arb_div(e->y, e->x[0], e->x[1], e->prec))
-CNS_OPERATION(div, 2, div_known, div_vanishes, NULL, .adds = 1);
+CNS_EXACT(div, mpq_sgn(x[1]) != 0 && (mpq_div(y, x[0], x[1]), true))
+CNS_OPERATION(div, 2, div_known, div_vanishes, NULL, .adds = 1, .exact = div_exact);

@@ -15,14 +15,17 @@ typedef struct cns_direction {
     const cns_program_node *node;
     cns_node w;
     cns_node x[4], dx[4]; /* the operands' copies and derivatives, -1 where there is none, or zero */
-    const int *component; /* per state of the old program: the state of q that is its part of the tangent */
+    const int *component; /* per state of the old program: the state of q that is its part of the tangent,
+                             or one of these numbers */
 } cns_direction;
+enum { CNS_COMPONENT_ZERO = -1, CNS_COMPONENT_ONE = -2 };
 
 /* In sums and products of derivatives -1 stands for zero: most derivatives of most nodes vanish. */
 cns_node cns_plus(const cns_direction *d, cns_node da, cns_node db);
 cns_node cns_minus(const cns_direction *d, cns_node da);
 cns_node cns_times(const cns_direction *d, cns_node a, cns_node db); /* a is a node */
 cns_node cns_over(const cns_direction *d, cns_node da, cns_node b);  /* b is a node */
+cns_node cns_component(const cns_direction *d);                      /* of the state that `node` is */
 
 /* An enclosure: ball y is to hold the result of `node` for all values of its operands within their balls. */
 typedef struct cns_enclosure {
@@ -65,6 +68,13 @@ bool cns_vanishes_with_either(const cns_jet *J, int v);
     {                                                                                                        \
         set_y;                                                                                               \
     }
+/* The rule name_exact: a condition in p, n, x and y that sets y. */
+#define CNS_EXACT(name, is_set)                                                                              \
+    static bool name##_exact(const cns_program *p, const cns_program_node *n, const mpq_t *x, mpq_t y)       \
+    {                                                                                                        \
+        (void)p, (void)n, (void)x;                                                                           \
+        return is_set;                                                                                       \
+    }
 
 /* Defines an operation by its rules in their order; `...`: what only some have. Three are the functions
  * name_recurrence, name_derive and name_enclose: without one of them it does not compile. */
@@ -72,9 +82,9 @@ bool cns_vanishes_with_either(const cns_jet *J, int v);
     CNS_OPERATION_OF(name, operands, name##_recurrence, known, vanishes, watch, __VA_ARGS__)
 
 /* The same of one that may be folded: name_accumulate, and its leading zeros, too. */
-#define CNS_FOLDED_OPERATION(name, operands, recurrence, known, vanishes, zeros_, adds_)                     \
+#define CNS_FOLDED_OPERATION(name, operands, recurrence, known, vanishes, zeros_, adds_, ...)                \
     CNS_OPERATION_OF(name, operands, recurrence, known, vanishes, NULL, .accumulate = name##_accumulate,     \
-                     .zeros = zeros_, .adds = adds_)
+                     .zeros = zeros_, .adds = adds_, __VA_ARGS__)
 
 #define CNS_OPERATION_OF(name_, operands_, recurrence_, known_, vanishes_, watch_, ...)                      \
     const cns_operation cns_op_##name_ = {.name = #name_,                                                    \

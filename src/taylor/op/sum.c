@@ -43,7 +43,9 @@ static void add_accumulate(cns_jet *J, int sign, int v, int n)
 
 CNS_DERIVE(add, cns_plus(d, d->dx[0], d->dx[1]))
 CNS_ENCLOSE(add, arb_add(e->y, e->x[0], e->x[1], e->prec))
-CNS_FOLDED_OPERATION(add, 2, cns_sum_recurrence, cns_known_as_both, cns_vanishes_with_both, least_zeros, 3);
+CNS_EXACT(add, (mpq_add(y, x[0], x[1]), true))
+CNS_FOLDED_OPERATION(add, 2, cns_sum_recurrence, cns_known_as_both, cns_vanishes_with_both, least_zeros, 3,
+                     .exact = add_exact);
 
 /* sub: w = a - b. */
 
@@ -55,7 +57,9 @@ static void sub_accumulate(cns_jet *J, int sign, int v, int n)
 
 CNS_DERIVE(sub, cns_plus(d, d->dx[0], cns_minus(d, d->dx[1])))
 CNS_ENCLOSE(sub, arb_sub(e->y, e->x[0], e->x[1], e->prec))
-CNS_FOLDED_OPERATION(sub, 2, cns_sum_recurrence, cns_known_as_both, cns_vanishes_with_both, least_zeros, 3);
+CNS_EXACT(sub, (mpq_sub(y, x[0], x[1]), true))
+CNS_FOLDED_OPERATION(sub, 2, cns_sum_recurrence, cns_known_as_both, cns_vanishes_with_both, least_zeros, 3,
+                     .exact = sub_exact);
 
 /* neg: w = -a. */
 
@@ -71,7 +75,9 @@ static int neg_zeros(const cns_jet *J, int v)
 
 CNS_DERIVE(neg, cns_minus(d, d->dx[0]))
 CNS_ENCLOSE(neg, arb_neg(e->y, e->x[0]))
-CNS_FOLDED_OPERATION(neg, 1, cns_sum_recurrence, cns_known_as_first, cns_vanishes_with_first, neg_zeros, 1);
+CNS_EXACT(neg, (mpq_neg(y, x[0]), true))
+CNS_FOLDED_OPERATION(neg, 1, cns_sum_recurrence, cns_known_as_first, cns_vanishes_with_first, neg_zeros, 1,
+                     .exact = neg_exact);
 
 /* mul: w = a b. */
 
@@ -94,7 +100,9 @@ static int mul_zeros(const cns_jet *J, int v)
 
 CNS_DERIVE(mul, cns_plus(d, cns_times(d, d->x[0], d->dx[1]), cns_times(d, d->x[1], d->dx[0])))
 CNS_ENCLOSE(mul, arb_mul(e->y, e->x[0], e->x[1], e->prec))
-CNS_FOLDED_OPERATION(mul, 2, cns_sum_recurrence, mul_known, cns_vanishes_with_either, mul_zeros, 0);
+CNS_EXACT(mul, (mpq_mul(y, x[0], x[1]), true))
+CNS_FOLDED_OPERATION(mul, 2, cns_sum_recurrence, mul_known, cns_vanishes_with_either, mul_zeros, 0,
+                     .exact = mul_exact);
 
 /* sqr: w = a^2. */
 
@@ -118,7 +126,9 @@ static int sqr_zeros(const cns_jet *J, int v)
 
 CNS_DERIVE(sqr, d->dx[0] < 0 ? -1 : cns_mul(d->q, cns_constant(d->q, "2"), cns_mul(d->q, d->x[0], d->dx[0])))
 CNS_ENCLOSE(sqr, arb_sqr(e->y, e->x[0], e->prec))
-CNS_FOLDED_OPERATION(sqr, 1, cns_sum_recurrence, sqr_known, cns_vanishes_with_first, sqr_zeros, 0);
+CNS_EXACT(sqr, (mpq_mul(y, x[0], x[0]), true))
+CNS_FOLDED_OPERATION(sqr, 1, cns_sum_recurrence, sqr_known, cns_vanishes_with_first, sqr_zeros, 0,
+                     .exact = sqr_exact);
 
 /* scale: w = c a, c constant. Stored, it is c times the sum that a is, which may be folded into it; folded
  * itself, the sum it belongs to has other terms, and c multiplies the stored a. */
@@ -147,5 +157,6 @@ static int scale_zeros(const cns_jet *J, int v)
 
 CNS_DERIVE(scale, cns_times(d, d->x[0], d->dx[1]))
 CNS_ENCLOSE(scale, arb_mul(e->y, e->x[0], e->x[1], e->prec))
+CNS_EXACT(scale, (mpq_mul(y, x[0], x[1]), true))
 CNS_FOLDED_OPERATION(scale, 2, scale_recurrence, cns_known_as_second, cns_vanishes_with_either, scale_zeros,
-                     2);
+                     2, .exact = scale_exact);
