@@ -48,6 +48,9 @@ static void write_file(char *path, const char *text, size_t length)
     close(fd);
 }
 
+/* Values that agree to fewer decimals than this are counted. */
+enum { ASKED = 3 };
+
 static void compare(outcome *o, const char *a, const char *b, const char *delta)
 {
     char path_a[64], path_b[64];
@@ -65,6 +68,7 @@ static void compare(outcome *o, const char *a, const char *b, const char *delta)
         const cns_compare_spec spec = {.a = cns_table_reader_rows(ra),
                                        .b = cns_table_reader_rows(rb),
                                        .delta = &limit,
+                                       .decimals = ASKED,
                                        .context = o,
                                        .begin = on_begin,
                                        .row = on_row};
@@ -168,7 +172,7 @@ START_TEST(three_hundred_digits)
     snprintf(b, sizeof b, "t,u\n1.0,0.%s\n", digits);
     compared(&o, a, b, "0.01");
     ck_assert_int_eq(o.least[0], 250);
-    ck_assert(o.r.differs);
+    ck_assert_ptr_nonnull(o.r.first.t);
     ck_assert_str_eq(o.r.first.t, "1");
     done(&o);
 }
@@ -185,7 +189,7 @@ START_TEST(grids_meet)
     ck_assert_int_eq(o.r.rows_a, 5);
     ck_assert_int_eq(o.r.rows_b, 5);
     ck_assert_int_eq(o.r.common, 3);
-    ck_assert(!o.r.differs);
+    ck_assert_ptr_null(o.r.first.t);
     ck_assert_ptr_null(o.r.norm_tc);
     ck_assert_str_eq(o.r.norm_last, "1e0");
     done(&o);
@@ -214,12 +218,37 @@ START_TEST(dresses)
         "t,x,y,\n0,1.50,2.25,\n1,-3.00,4.50,\n",
         "t,note,x,y\n0,start,1.50,2.25\n1,end of it,-3.00,4.50\n",
         "t,x,y\n0.0D0,0.15D+01,.225d1\n10e-1,-30.0E-1,+4.50\n",
-        "t,x,y\n0,1.50,2.25\n1,-3.00,4.50", /* no newline at the end */
+        "t,x,y\n0,1.50,2.25\n1,-3.00,4.50",   /* no newline at the end */
+        "t,x,y\r0,1.50,2.25\r1,-3.00,4.50\r", /* of an old Macintosh */
+        "t,x,y\r\r\n0,1.50,2.25\r\r\n1,-3.00,4.50\r\r\n",
+        /* numpy.savetxt: names in a comment, separated like the rows or not */
+        "# t,x,y\n0.00,1.50,2.25\n1.00,-3.00,4.50\n",
+        "# made today\n#t x y\n0.000e+00 1.50e+00 2.25\n1.0e+00 -3.0e+00 4.50\n",
+        "# t,x,y\n0.000e+00 1.50e+00 2.25\n1.0e+00 -3.0e+00 4.50\n",
+        /* a spreadsheet, in English and in German; what it makes of lines of comment */
+        "sep=,\nt,x,y\n0,1.50,2.25\n1,-3.00,4.50\n",
+        "\xEF\xBB\xBFsep=;\r\nt;x;y\r\n0,0;1,50;2,25\r\n1,0;-3,00;4,50\r\n",
+        "t;\"a, m\";x;y\n0,0;9;1,50;2,25\n1,0;9;-3,00;4,50\n",
+        "\"sep=\t\"\nt\tx, m\tx\ty\n0\t7\t1.50\t2.25\n1\t7\t-3.00\t4.50\n",
+        "\"# a, b\",,\nt,x,y\n0,1.50,2.25\n1,-3.00,4.50\n",
+        "sep=|\nt|x|y\n0|1.50|2.25\n1|-3.00|4.50\n",
+        /* quotes */
+        "t,\"x, in m\",x,y\n0,9,1.50,2.25\n1,9,-3.00,4.50\n",
+        "t,\"a \"\"b\"\", c\",x,y\n0,9,1.50,2.25\n1,9,-3.00,4.50\n",
+        "t \"x of 1\" x y\n0 9 1.50 2.25\n1 9 -3.00 4.50\n",
+        "t,5\" pipe,6\" pipe,x,y\n0,9,9,1.50,2.25\n1,9,9,-3.00,4.50\n",
+        /* notes */
+        "t,x,y # names\n0,1.50,2.25 # a start, of course\n1,-3.00,4.50\t# \"end\n",
+        "t x y\n0 1.50 2.25 # a start\n1 -3.00 4.50 #end\n",
+        "t,x#1,x,y\n0,9,1.50,2.25\n1,9,-3.00,4.50\n",
+        /* Fortran */
+        "  t   x   y\n 0.000-104 0.15D+001 0.225+001\n .1E+1 -.3Q+1 0.450+001\n",
     };
     for (int i = 0; i < COUNT(dress); i++) {
         outcome o;
         compared(&o, dress[0], dress[i], "0.01");
-        ck_assert_msg(o.rows == 2 && o.r.n == 2 && !o.r.differs, "dress %d is another table", i);
+        ck_assert_msg(o.rows == 2 && o.r.n == 2 && !o.r.first.t, "dress %d is another table: %s", i,
+                      dress[i]);
         ck_assert_ptr_null(o.r.norm_tc);
         ck_assert_int_ge(o.least[0], 1);
         done(&o);
@@ -233,15 +262,130 @@ START_TEST(missing_values)
     compared(&o, "t,x,y\n0,1.0,\n1,nan,NA\n2,5.0,1.0\n3,,2.0\n",
              "t,x,y\n0,1.0,2.0\n1,1.0,1.0\n2,,2.0\n3,1,2.0\n", "0.01");
     ck_assert_int_eq(o.rows, 4);
-    ck_assert_int_eq(o.least[0], 1);
-    ck_assert(o.each[0][1] == CNS_COMPARE_NOTHING);
-    ck_assert(o.least[1] == CNS_COMPARE_NOTHING);
-    ck_assert_int_eq(o.least[2], -1);
-    ck_assert(o.each[2][0] == CNS_COMPARE_NOTHING);
+    ck_assert_int_eq(o.each[0][0], 1);
+    ck_assert(o.each[0][1] == CNS_COMPARE_MISSING && o.least[0] == CNS_COMPARE_MISSING);
+    ck_assert(o.each[1][0] == CNS_COMPARE_MISSING && o.least[1] == CNS_COMPARE_MISSING);
+    ck_assert_int_eq(o.each[2][1], -1);
+    ck_assert(o.each[2][0] == CNS_COMPARE_MISSING && o.least[2] == CNS_COMPARE_MISSING);
+    ck_assert_str_eq(o.r.first.t, "0"); /* a value against none is a difference */
+    ck_assert_int_eq(o.r.first.column, 1);
+    ck_assert_ptr_null(o.r.first.a);
+    ck_assert_str_eq(o.r.first.b, "2.0");
     ck_assert_str_eq(o.r.tc[1], "2");
     ck_assert_str_eq(o.r.norm_tc, "2"); /* y alone suffices */
     ck_assert_ptr_null(o.r.tc[0]);
     ck_assert_str_eq(o.r.last[0], "0");
+    done(&o);
+}
+END_TEST
+
+static void check_gap(const cns_compare_gap *gap, long count, const char *first)
+{
+    ck_assert_int_eq(gap->count, count);
+    if (first)
+        ck_assert_str_eq(gap->first, first);
+    else
+        ck_assert_ptr_null(gap->first);
+}
+
+/* Whatever was not compared is counted and has its place. */
+START_TEST(gaps)
+{
+    outcome o;
+    compared(&o, "t,x,y,z\n0,1,1,1\n1,nan,null,1\n2,1,-nan,1\n3,inf,NA,1\n5,1,1,1\n6,1,1,1\n",
+             "w,t,x,y,v\n1,0,1,1,1\n1,1,1,N/A,1\n1,2,1,1,1\n1,3,-inf,1,1\n1,4,1,1,1\n1,6,,1,1\n", "0.01");
+    ck_assert_int_eq(o.r.n_only[CNS_COMPARE_A], 1);
+    ck_assert_str_eq(o.r.only[CNS_COMPARE_A][0], "z");
+    ck_assert_int_eq(o.r.n_only[CNS_COMPARE_B], 2);
+    ck_assert_str_eq(o.r.only[CNS_COMPARE_B][0], "w");
+    ck_assert_str_eq(o.r.only[CNS_COMPARE_B][1], "v");
+    check_gap(&o.r.rows[CNS_COMPARE_A], 1, "5");
+    check_gap(&o.r.rows[CNS_COMPARE_B], 1, "4");
+    check_gap(&o.r.values[0][CNS_COMPARE_A], 1, "1");
+    check_gap(&o.r.values[0][CNS_COMPARE_B], 1, "6");
+    check_gap(&o.r.values[0][CNS_COMPARE_BOTH], 1, "3");
+    check_gap(&o.r.values[1][CNS_COMPARE_A], 2, "2");
+    check_gap(&o.r.values[1][CNS_COMPARE_B], 0, NULL);
+    check_gap(&o.r.values[1][CNS_COMPARE_BOTH], 1, "1");
+    ck_assert(!cns_compare_whole(&o.r));
+    done(&o);
+
+    static const struct {
+        const char *a, *b;
+        bool whole;
+    } row[] = {{"t,x\n0,1\n", "t,x\n0,2\n", true},
+               {"t,x\n0,1\n", "t,x,y\n0,1,1\n", false},
+               {"t,x\n0,1\n", "t,x\n0,1\n1,1\n", false},
+               {"t,x\n0,1\n1,\n", "t,x\n0,1\n1,1\n", false},
+               {"t,x\n0,1\n1,\n", "t,x\n0,1\n1,\n", false},
+               {"# cns 1\nt,x,decimals,growth\n0,1,9,1\n", "t,x\n0,1\n", true}};
+    for (int i = 0; i < COUNT(row); i++)
+        for (int swap = 0; swap < 2; swap++) {
+            compared(&o, swap ? row[i].b : row[i].a, swap ? row[i].a : row[i].b, "0.01");
+            ck_assert_msg(cns_compare_whole(&o.r) == row[i].whole, "%s", row[i].a);
+            done(&o);
+        }
+}
+END_TEST
+
+/* How programs say that there is no number. */
+START_TEST(no_numbers)
+{
+    static const char *const word[] = {
+        "",       "nan",     "NaN",     "-nan",     "nan(0x8000)", "-NaN(ind)", "NA",      "N/A",
+        "#N/A",   "<NA>",    "null",    "None",     "inf",         "-Inf",      "+inf",    "Infinity",
+        "1.#INF", "-1.#IND", "1.#QNAN", "1.#QNAN0", "-1.#IND00",   "1.#SNAN",   "\"nan\"", " nan "};
+    for (int i = 0; i < COUNT(word); i++) {
+        char text[64];
+        outcome o;
+        snprintf(text, sizeof text, "t,x\n0,1\n1,%s\n", word[i]);
+        compared(&o, text, "t,x\n0,1\n1,-7\n", "0.01");
+        ck_assert_msg(o.each[1][0] == CNS_COMPARE_MISSING, "'%s' is a number", word[i]);
+        ck_assert_str_eq(o.r.first.t, "1");
+        done(&o);
+    }
+}
+END_TEST
+
+/* Values that agree to fewer than three decimals, equal ones apart, are counted. */
+START_TEST(few_decimals)
+{
+    outcome o;
+    compared(&o, "t,x,y\n0,1,1.2346\n1,1.0001,2\n2,1.001,\n3,5,1.25\n",
+             "t,x,y\n0,1.0,1.23456789\n1,1.0002,2\n2,1.0021,1\n3,5,1.2500001\n", "0.01");
+    ck_assert_int_eq(o.r.n_few, 2);
+    ck_assert_str_eq(o.r.few.t, "2");
+    ck_assert_str_eq(o.r.few.a, "1.001");
+    ck_assert_str_eq(o.r.few.b, "1.0021");
+    ck_assert_str_eq(o.r.name[o.r.few.column], "x");
+    done(&o);
+}
+END_TEST
+
+#define OURS(format, d)                                                                                      \
+    "# cns 1.0: a model\n# format: " format                                                                  \
+    "\n# times: each the nearest fraction with a denominator up to " d "\n"
+
+/* Times that our tables round, against such of other decimals, of another grid, and of another program. */
+START_TEST(times_had_back)
+{
+    outcome o;
+    compared(&o, OURS("1", "3") "t,x\n0,1\n0.33333333333333333,2\n0.66666666666666667,3\n1,4\n",
+             OURS("1", "9") "t,x\n0,1\n0.1111111,8\n0.3333333,2\n0.4444444,8\n0.6666667,3\n1,4\n", "0.01");
+    ck_assert_int_eq(o.rows, 4);
+    ck_assert_str_eq(o.t[1], "0.33333333333333333");
+    ck_assert_ptr_null(o.r.first.t);
+    check_gap(&o.r.rows[CNS_COMPARE_B], 2, "0.1111111");
+    done(&o);
+    compared(&o, OURS("1", "3") "t,x\n0,1\n0.33333333333333333,2\n", "t,x\n0,1\n0.33333333333333333,2\n",
+             "0.01"); /* another program means what it says */
+    ck_assert_int_eq(o.rows, 1);
+    done(&o);
+    /* 0.3333333333 is a time of its own among denominators that large */
+    compared(&o, OURS("1", "10000000000") "t,x\n0,1\n0.3333333333,2\n0.333333333333333333333,3\n",
+             OURS("1", "3") "t,x\n0,1\n0.3333333333,3\n", "0.01");
+    ck_assert_int_eq(o.rows, 2);
+    ck_assert_ptr_null(o.r.first.t);
     done(&o);
 }
 END_TEST
@@ -291,13 +435,35 @@ START_TEST(refused)
         const char *text, *place, *what;
     } row[] = {{"", ":1:1:", "no header line"},
                {"# only a comment\n", ":1:1:", "no header line"},
-               {"0,1\n1,2\n", ":1:1:", "header"},
+               {"0,1\n1,2\n", ":1:1:", "no header: put a line with the names of the 2 columns"},
+               {"# t,u,v\n0,1\n1,2\n", ":2:1:", "no header"},
+               {"# 1,2\n0,1\n1,2\n", ":2:1:", "no header"},
+               {"# t,t\n0,1\n1,2\n", ":1:3:", "a second column"},
+               {"t,1\n0,1\n1,2\n", ":1:3:", "a number where the header"},
+               {"t,u\n0,1\n1,0,5\n", ":3:5:", "3 values"},
+               {"t\tu\n0\t1\n1\t0,5\n", ":3:3:", "decimal comma"},
+               {"t;u\n0;1,5\n1;2.500\n", ":3:3:", "a decimal point, but"},
+               {"t;u\n0;1.5\n1;2,5\n", ":3:3:", "a decimal comma, but"},
+               {"t;u\n0;1\n1;2.500,5\n", ":3:3:", "not a number"},
+               {"t,u\n0,1\n1 # 2,2\n", ":3:1:", "is a note"},
+               {"t,u\n0,1\n1,2020-01\n", ":3:3:", "not a number"},
+               {"t,u\n0,1\n1,2.5-0104\n", ":3:3:", "not a number"},
+               {"t,u\n0,1\n1,2.5+10\n", ":3:3:", "not a number"},
+               {"t,u\n0,1\n1,********\n", ":3:3:", "not a number"},
+               {"t,u\n0,1\n1,\"2\n", ":3:3:", "not a number"},
+               {"\xFF\xFEt,u", ":1:1:", "UTF-16"},
+               {OURS("2", "3") "t,u\n0,1\n", ":2:1:", "format 2, from a newer cns"},
+               {OURS("18446744073709551617", "3") "t,u\n0,1\n", ":2:1:", "format 18446744073709551617"},
+               {OURS("one", "3") "t,u\n0,1\n", ":2:1:", "format one"},
+               {OURS("1", "x") "t,u\n0,1\n", ":3:1:", "not known"},
+               {OURS("1", "0") "t,u\n0,1\n", ":3:1:", "not known"},
+               {OURS("1", "3") "t,u\n0,1\n0.3333,1\n0.33333,1\n", ":7:1:", "times must increase"},
                {"t,u\n0,1\n1\n", ":3:1:", "1 value, but the header names 2"},
                {"t,u\n0,1\n1,2,3\n", ":3:5:", "3 values"},
                {"t,u\n0,1\n1,  2x\n", ":3:5:", "'2x' in column 'u'"},
                {"t,u\n0,1\n1,1e\n", ":3:3:", "digits must follow"},
                {"t,u\n0,1\n1,1e99999999\n", ":3:3:", "out of range"},
-               {"t,u\n0,1\n1,inf\n", ":3:3:", "not a number"},
+               {"t,u\n0,1\ninf,1\n", ":3:1:", "a time is missing"},
                {"t,u\n0,1\n1,0x10\n", ":3:3:", "not a number"},
                {"t,u\n0,1\n1,-\n", ":3:3:", "not a number"},
                {"t,u\n0,1\n1,1.2.3\n", ":3:3:", "not a number"},
@@ -350,6 +516,10 @@ Suite *suite_compare(void)
     tcase_add_test(t, grids_meet);
     tcase_add_test(t, dresses);
     tcase_add_test(t, missing_values);
+    tcase_add_test(t, gaps);
+    tcase_add_test(t, no_numbers);
+    tcase_add_test(t, few_decimals);
+    tcase_add_test(t, times_had_back);
     tcase_add_test(t, predictable_times);
     tcase_add_test(t, norm_of_a_model);
     tcase_add_test(t, refused);

@@ -16,12 +16,32 @@ typedef struct compare_context {
     const char *const *names;
 } compare_context;
 
-static void decimals_text(char *text, size_t size, long decimals)
+typedef struct decimals_text {
+    char text[32];
+} decimals_text;
+
+/* Of a value against a missing one -inf, which no least hides; of nothing `nothing`. */
+static decimals_text text_of(long decimals, const char *nothing, const char *infinity)
 {
-    if (decimals == CNS_COMPARE_NOTHING)
-        text[0] = '\0';
+    decimals_text d;
+    if (decimals == CNS_COMPARE_NOTHING || decimals == CNS_COMPARE_MISSING)
+        snprintf(d.text, sizeof d.text, "%s", decimals == CNS_COMPARE_NOTHING ? nothing : infinity);
     else
-        snprintf(text, size, "%ld", decimals);
+        snprintf(d.text, sizeof d.text, "%ld", decimals);
+    return d;
+}
+
+/* A name as a value of a line whose values commas separate. */
+static void print_name(FILE *out, const char *name)
+{
+    if (strpbrk(name, ",\"") == NULL) {
+        fputs(name, out);
+        return;
+    }
+    fputc('"', out);
+    for (; *name; name++)
+        fprintf(out, *name == '"' ? "\"%c" : "%c", *name);
+    fputc('"', out);
 }
 
 static void on_begin(void *context, int n, const char *const *names)
@@ -32,34 +52,35 @@ static void on_begin(void *context, int n, const char *const *names)
     if (x->summary)
         return;
     fputs("t,decimals", x->page.file);
-    for (int k = 0; k < n && x->verbose; k++)
-        fprintf(x->page.file, ",%s", names[k]);
+    for (int k = 0; k < n && x->verbose; k++) {
+        fputc(',', x->page.file);
+        print_name(x->page.file, names[k]);
+    }
+    fputc('\n', x->page.file);
+}
+
+static void print_row(const compare_context *x, const char *t, long least, const long *each)
+{
+    fprintf(x->page.file, "%s,%s", t, text_of(least, "", "-inf").text);
+    for (int k = 0; k < x->n && x->verbose; k++)
+        fprintf(x->page.file, ",%s", text_of(each[k], "", "-inf").text);
     fputc('\n', x->page.file);
 }
 
 static void on_row(void *context, const char *t, long least, const long *each)
 {
-    compare_context *x = context;
-    char text[32];
-    decimals_text(text, sizeof text, least);
+    const compare_context *x = context;
     if (!x->summary) {
-        fprintf(x->page.file, "%s,%s", t, text);
-        for (int k = 0; k < x->n && x->verbose; k++) {
-            decimals_text(text, sizeof text, each[k]);
-            fprintf(x->page.file, ",%s", text);
-        }
-        fputc('\n', x->page.file);
+        print_row(x, t, least, each);
         return;
     }
     cns_summary_open_mapping(x->summary, NULL);
     cns_summary_text(x->summary, "t", t);
-    cns_summary_text(x->summary, "decimals", least == CNS_COMPARE_NOTHING ? "null" : text);
+    cns_summary_text(x->summary, "decimals", text_of(least, "null", "-.inf").text);
     if (x->verbose) {
         cns_summary_open_mapping(x->summary, "columns");
-        for (int k = 0; k < x->n; k++) {
-            decimals_text(text, sizeof text, each[k]);
-            cns_summary_text(x->summary, x->names[k], each[k] == CNS_COMPARE_NOTHING ? "null" : text);
-        }
+        for (int k = 0; k < x->n; k++)
+            cns_summary_text(x->summary, x->names[k], text_of(each[k], "null", "-.inf").text);
         cns_summary_shut(x->summary);
     }
     cns_summary_shut(x->summary);
@@ -92,6 +113,40 @@ static void yaml_time(cns_summary *s, const char *key, const char *tc, const cha
     cns_summary_shut(s);
 }
 
+/* One entry of the list of what was not compared. */
+static void yaml_gap(cns_summary *s, const char *column, const char *what, const cns_compare_gap *gap,
+                     const char *where, const char *side)
+{
+    if (gap->count == 0)
+        return;
+    cns_summary_open_mapping(s, NULL);
+    if (column)
+        cns_summary_text(s, "column", column);
+    cns_summary_long(s, what, gap->count);
+    cns_summary_text(s, where, side);
+    cns_summary_text(s, "first", gap->first);
+    cns_summary_shut(s);
+}
+
+static void yaml_not_compared(cns_summary *s, const cns_compare_result *r)
+{
+    static const char *const side[] = {"a", "b", "both"};
+    cns_summary_open_list(s, "not_compared");
+    for (int i = CNS_COMPARE_A; i <= CNS_COMPARE_B; i++) {
+        for (int k = 0; k < r->n_only[i]; k++) {
+            cns_summary_open_mapping(s, NULL);
+            cns_summary_text(s, "column", r->only[i][k]);
+            cns_summary_text(s, "only_in", side[i]);
+            cns_summary_shut(s);
+        }
+        yaml_gap(s, NULL, "rows", &r->rows[i], "only_in", side[i]);
+    }
+    for (int k = 0; k < r->n; k++)
+        for (int i = CNS_COMPARE_A; i <= CNS_COMPARE_BOTH; i++)
+            yaml_gap(s, r->name[k], "values", &r->values[k][i], "missing_in", side[i]);
+    cns_summary_shut(s);
+}
+
 /* False: out of memory. */
 static bool print_yaml(cns_summary *s, const cns_compare_result *r, const char *delta)
 {
@@ -101,16 +156,17 @@ static bool print_yaml(cns_summary *s, const cns_compare_result *r, const char *
     char *text = cns_text_close(&norm, NULL);
     if (text == NULL)
         return false;
-    if (r->differs) {
+    if (r->first.t) {
         cns_summary_open_mapping(s, "first_difference");
         cns_summary_text(s, "t", r->first.t);
         cns_summary_text(s, "column", r->name[r->first.column]);
-        cns_summary_text(s, "a", r->first.a);
-        cns_summary_text(s, "b", r->first.b);
+        cns_summary_text(s, "a", r->first.a ? r->first.a : "null");
+        cns_summary_text(s, "b", r->first.b ? r->first.b : "null");
         cns_summary_shut(s);
     } else {
         cns_summary_text(s, "first_difference", "null");
     }
+    yaml_not_compared(s, r);
     cns_summary_text(s, "delta", delta);
     cns_summary_open_mapping(s, "times");
     yaml_time(s, "norm", r->norm_tc, r->norm_last);
@@ -135,12 +191,32 @@ static void print_time(FILE *out, const char *name, const char *tc, const char *
                    : "no value in common");
 }
 
+static void print_not_compared(FILE *out, const cns_compare_result *r)
+{
+    static const char *const table[] = {"A", "B", "both"};
+    for (int i = CNS_COMPARE_A; i <= CNS_COMPARE_B; i++) {
+        for (int k = 0; k < r->n_only[i]; k++)
+            fprintf(out, "# not compared: column %s, only in %s\n", r->only[i][k], table[i]);
+        if (r->rows[i].count > 0)
+            fprintf(out, "# not compared: %ld row%s only in %s, first at t = %s\n", r->rows[i].count,
+                    r->rows[i].count == 1 ? "" : "s", table[i], r->rows[i].first);
+    }
+    for (int k = 0; k < r->n; k++)
+        for (int i = CNS_COMPARE_A; i <= CNS_COMPARE_BOTH; i++) {
+            const cns_compare_gap *gap = &r->values[k][i];
+            if (gap->count > 0)
+                fprintf(out, "# not compared: %ld value%s of %s, missing in %s, first at t = %s\n",
+                        gap->count, gap->count == 1 ? "" : "s", r->name[k], table[i], gap->first);
+        }
+}
+
 static void print_lines(FILE *out, const cns_compare_result *r, const char *delta)
 {
     fprintf(out, "# common rows: %ld of %ld and %ld\n", r->common, r->rows_a, r->rows_b);
-    if (r->differs)
+    print_not_compared(out, r);
+    if (r->first.t)
         fprintf(out, "# first difference: t = %s, %s: %s and %s\n", r->first.t, r->name[r->first.column],
-                r->first.a, r->first.b);
+                r->first.a ? r->first.a : "no number", r->first.b ? r->first.b : "no number");
     else
         fputs("# first difference: none\n", out);
     fprintf(out, "# T_c: first common row beyond delta = %s; norm of ", delta);
@@ -149,6 +225,21 @@ static void print_lines(FILE *out, const cns_compare_result *r, const char *delt
     print_time(out, "norm", r->norm_tc, r->norm_last);
     for (int k = 0; k < r->n; k++)
         print_time(out, r->name[k], r->tc[k], r->last[k]);
+}
+
+/* The exit status of --decimals. */
+static int judge(const cns_compare_result *r, long decimals)
+{
+    int status = 0;
+    if (r->n_few > 0)
+        status = cns_complain(CNS_UNREACHED,
+                              "%ld value%s to fewer than %ld decimals, first at t = %s, %s: %s and %s",
+                              r->n_few, r->n_few == 1 ? " agrees" : "s agree", decimals, r->few.t,
+                              r->name[r->few.column], r->few.a, r->few.b);
+    if (!cns_compare_whole(r))
+        status = cns_complain(CNS_UNREACHED,
+                              "not all was compared: the lines or the list 'not compared' say what was not");
+    return status;
 }
 
 static int compare(const cns_options *o, const cns_number *delta, cns_table_reader *a, cns_table_reader *b)
@@ -165,6 +256,7 @@ static int compare(const cns_options *o, const cns_number *delta, cns_table_read
     const cns_compare_spec spec = {.a = cns_table_reader_rows(a),
                                    .b = cns_table_reader_rows(b),
                                    .delta = delta,
+                                   .decimals = o->decimals,
                                    .context = &x,
                                    .begin = on_begin,
                                    .row = on_row};
@@ -176,13 +268,18 @@ static int compare(const cns_options *o, const cns_number *delta, cns_table_read
     } else if (!code) {
         print_lines(x.page.file, &r, delta->text);
     }
-    cns_compare_result_clear(&r);
+    int status = 0;
     if (code || !written) {
         free(cns_text_close(&x.page, NULL));
-        return code ? cns_complain(code, "%s", err.text)
-                    : cns_complain(CNS_MEMORY, "out of memory: cannot write the summary");
+        status = code ? cns_complain(code, "%s", err.text)
+                      : cns_complain(CNS_MEMORY, "out of memory: cannot write the summary");
+    } else {
+        status = cns_page_write(&x.page, NULL);
     }
-    return cns_page_write(&x.page, NULL);
+    if (!status && o->decimals > 0)
+        status = judge(&r, o->decimals);
+    cns_compare_result_clear(&r);
+    return status;
 }
 
 static int run(cns_context *cx)
@@ -214,7 +311,10 @@ const cns_command cns_command_compare = {
     .details =
         "A and B are tables of `cns run`, or any columns of numbers with a header, separated by commas,\n"
         "semicolons, tabs or blanks. Columns are matched by name and rows by time, exactly; nothing is\n"
-        "interpolated. Printed are the decimals to which both agree in every common row, the first\n"
-        "difference, and T_c with B as the reference; -v adds a column for each quantity.\n",
-    .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_DELTA, CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
+        "interpolated. Printed are the decimals to which both agree in every common row, what was not\n"
+        "compared, the first difference, and T_c with B as the reference; -v adds a column for each\n"
+        "quantity. With --decimals N the exit status is 1 if two values agree to fewer decimals, or if\n"
+        "anything was not compared.\n",
+    .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_DECIMALS_AGREED, CNS_OPTION_DELTA, CNS_OPTION_QUIET,
+                         CNS_OPTION_VERBOSE),
 };

@@ -21,6 +21,13 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
+/* A sign and three digits: where the exponent leaves no room for its letter, Fortran prints none. */
+static bool is_exponent_of_fortran(const char *at)
+{
+    return (*at == '+' || *at == '-') && is_digit(at[1]) && is_digit(at[2]) && is_digit(at[3]) &&
+           at[4] == '\0';
+}
+
 const char *cns_exact_decimal_parse(cns_exact_decimal *x, const char *text)
 {
     enum { SHORT = 64 };
@@ -36,7 +43,8 @@ const char *cns_exact_decimal_parse(cns_exact_decimal *x, const char *text)
         digits = cns_xgrow(NULL, length + 1, 1);
     while (is_digit(*at))
         digits[n++] = *at++;
-    if (*at == '.')
+    const bool point = *at == '.';
+    if (point)
         for (at++; is_digit(*at); after_point++)
             digits[n++] = *at++;
     digits[n] = '\0';
@@ -46,8 +54,9 @@ const char *cns_exact_decimal_parse(cns_exact_decimal *x, const char *text)
         free(digits);
     if (n == 0)
         return "not a number";
-    if (*at != '\0' && strchr("eEdD", *at)) {
-        at++;
+    const bool letter = *at != '\0' && strchr("eEdDqQ", *at);
+    if (letter || (point && is_exponent_of_fortran(at))) {
+        at += letter;
         const bool down = *at == '-';
         if (*at == '+' || *at == '-')
             at++;
@@ -81,6 +90,14 @@ static void shift(mpz_t z, long count)
     mpz_clear(power);
 }
 
+void cns_exact_decimal_get_mpq(mpq_t q, const cns_exact_decimal *x)
+{
+    mpz_set(mpq_numref(q), x->digits);
+    mpz_set_ui(mpq_denref(q), 1);
+    shift(x->exponent < 0 ? mpq_denref(q) : mpq_numref(q), labs(x->exponent));
+    mpq_canonicalize(q);
+}
+
 long cns_exact_decimal_difference(mpz_t d, const cns_exact_decimal *a, const cns_exact_decimal *b)
 {
     const bool finer = a->exponent < b->exponent;
@@ -91,16 +108,6 @@ long cns_exact_decimal_difference(mpz_t d, const cns_exact_decimal *a, const cns
     if (finer)
         mpz_neg(d, d);
     return fine->exponent;
-}
-
-int cns_exact_decimal_cmp(const cns_exact_decimal *a, const cns_exact_decimal *b)
-{
-    mpz_t d;
-    mpz_init(d);
-    cns_exact_decimal_difference(d, a, b);
-    const int sign = mpz_sgn(d);
-    mpz_clear(d);
-    return sign;
 }
 
 long cns_exact_decimal_agreed(const mpz_t d, long e)

@@ -16,18 +16,18 @@ typedef struct cns_exact_decimal {
 void cns_exact_decimal_init(cns_exact_decimal *x); /* 0 */
 void cns_exact_decimal_clear(cns_exact_decimal *x);
 
-/* [+-] digits [. digits] [(e|E|d|D) [+-] digits], also .5 and 5. ; nothing around it. NULL when x has the
- * value, else what is wrong, and x is undefined. */
+/* [+-] digits [. digits] [(e|E|d|D|q|Q) [+-] digits], also .5 and 5. ; nothing around it. Fortran leaves the
+ * letter out before three digits: 1.5-104. NULL when x has the value, else what is wrong, and x is undefined.
+ */
 const char *cns_exact_decimal_parse(cns_exact_decimal *x, const char *text);
+
+void cns_exact_decimal_get_mpq(mpq_t q, const cns_exact_decimal *x);
 
 /* d = (a - b) 10^-e, exactly, with e = min of the two exponents, which is returned. */
 long cns_exact_decimal_difference(mpz_t d, const cns_exact_decimal *a, const cns_exact_decimal *b);
 
-int cns_exact_decimal_cmp(const cns_exact_decimal *a, const cns_exact_decimal *b);
-
 /* The largest p with |d| 10^e <= 10^-p / 2, d not 0: to so many decimals two numbers of this difference
- * agree.
- */
+ * agree. */
 long cns_exact_decimal_agreed(const mpz_t d, long e);
 
 #endif

@@ -8,6 +8,7 @@
 #include "core/memory.h"
 #include "core/text.h"
 #include "num/exact_decimal.h"
+#include "num/fraction.h"
 
 enum { PREC = 64 };
 
@@ -19,7 +20,8 @@ typedef struct column {
 
 typedef struct side {
     const cns_rows *rows;
-    cns_exact_decimal time, before, value;
+    mpq_t time, before;
+    cns_exact_decimal value;
     bool begun, more;
     long count;
 } side;
@@ -37,24 +39,21 @@ typedef struct comparison {
 static void side_init(side *s, const cns_rows *rows)
 {
     *s = (side){.rows = rows};
-    cns_exact_decimal_init(&s->time);
-    cns_exact_decimal_init(&s->before);
+    mpq_inits(s->time, s->before, (mpq_ptr)0);
     cns_exact_decimal_init(&s->value);
 }
 
 static void side_clear(side *s)
 {
-    cns_exact_decimal_clear(&s->time);
-    cns_exact_decimal_clear(&s->before);
+    mpq_clears(s->time, s->before, (mpq_ptr)0);
     cns_exact_decimal_clear(&s->value);
 }
 
-static bool is_quantity(const comparison *c, int i)
+static bool is_quantity(const comparison *c, const cns_rows *rows, int i)
 {
-    const cns_rows *a = c->spec->a, *b = c->spec->b;
-    const char *name = a->name(a->context, i);
+    const char *name = rows->name(rows->context, i);
     const bool about = !strcmp(name, "decimals") || !strcmp(name, "growth");
-    return i != a->time && name[0] != '\0' && !(about && (a->ours || b->ours));
+    return i != rows->time && name[0] != '\0' && !(about && (c->spec->a->ours || c->spec->b->ours));
 }
 
 static int find_column(const cns_rows *rows, const char *name)
@@ -65,6 +64,12 @@ static int find_column(const cns_rows *rows, const char *name)
     return -1;
 }
 
+static void add_name(char ***names, int *n, const char *name)
+{
+    *names = cns_xgrow(*names, (size_t)*n + 1, sizeof **names);
+    (*names)[(*n)++] = cns_xcopy(name);
+}
+
 static cns_code match_columns(comparison *c, cns_error *err)
 {
     const cns_rows *a = c->spec->a, *b = c->spec->b;
@@ -72,18 +77,25 @@ static cns_code match_columns(comparison *c, cns_error *err)
     const size_t room = (size_t)a->n;
     c->column = cns_xalloc(room, sizeof *c->column);
     c->each = cns_xalloc(room, sizeof *c->each);
-    r->name = cns_xalloc(room, sizeof *r->name);
     r->in_norm = cns_xalloc(room, sizeof *r->in_norm);
     r->tc = cns_xalloc(room, sizeof *r->tc);
     r->last = cns_xalloc(room, sizeof *r->last);
+    r->values = cns_xalloc(room, sizeof *r->values);
     for (int i = 0; i < a->n; i++) {
         const char *name = a->name(a->context, i);
-        const int j = is_quantity(c, i) ? find_column(b, name) : -1;
-        if (j < 0)
+        const int j = find_column(b, name);
+        if (!is_quantity(c, a, i))
             continue;
+        if (j < 0) {
+            add_name(&r->only[CNS_COMPARE_A], &r->n_only[CNS_COMPARE_A], name);
+            continue;
+        }
         c->column[r->n] = (column){.a = i, .b = j, .scale = 1};
-        r->name[r->n++] = cns_xcopy(name);
+        add_name(&r->name, &r->n, name);
     }
+    for (int j = 0; j < b->n; j++)
+        if (is_quantity(c, b, j) && find_column(a, b->name(b->context, j)) < 0)
+            add_name(&r->only[CNS_COMPARE_B], &r->n_only[CNS_COMPARE_B], b->name(b->context, j));
     if (r->n == 0)
         return cns_fail(err, CNS_USAGE, "the two tables have no column in common but the time");
     return CNS_OK;
@@ -120,18 +132,39 @@ static cns_code choose_norm(comparison *c, cns_error *err)
     return CNS_OK;
 }
 
+/* NULL when x is the time that a text stands for, else what is wrong with it. */
+static const char *read_time(side *s, mpq_t x, const char *text)
+{
+    const char *why = text ? cns_exact_decimal_parse(&s->value, text) : "a time is missing";
+    if (why)
+        return why;
+    if (!s->rows->denominator) {
+        cns_exact_decimal_get_mpq(x, &s->value);
+        return NULL;
+    }
+    mpq_t printed;
+    mpq_init(printed);
+    cns_exact_decimal_get_mpq(printed, &s->value);
+    cns_fraction_nearest(x, printed, s->rows->denominator);
+    mpq_clear(printed);
+    return NULL;
+}
+
+static const char *time_text(const side *s)
+{
+    return s->rows->text(s->rows->context, s->rows->time);
+}
+
 /* To the next row, and its time. */
 static cns_code advance(side *s, cns_error *err)
 {
     const cns_rows *rows = s->rows;
-    mpz_swap(s->before.digits, s->time.digits);
-    s->before.exponent = s->time.exponent;
+    mpq_swap(s->before, s->time);
     cns_code code = rows->next(rows->context, &s->more, err);
     if (code || !s->more)
         return code;
-    const char *text = rows->text(rows->context, rows->time);
-    const char *why = text ? cns_exact_decimal_parse(&s->time, text) : "a time is missing";
-    if (!why && s->begun && cns_exact_decimal_cmp(&s->time, &s->before) <= 0)
+    const char *why = read_time(s, s->time, time_text(s));
+    if (!why && s->begun && mpq_cmp(s->time, s->before) <= 0)
         why = "times must increase";
     if (why)
         return rows->refuse(rows->context, rows->time, why, err);
@@ -173,16 +206,21 @@ static void add_to_norm(comparison *c, long e, double scale)
     mpfr_hypot(c->norm, c->norm, c->term, MPFR_RNDN);
 }
 
-static void note_difference(comparison *c, int k, const char *t, const char *a, const char *b)
+/* Keeps the first pair. */
+static void note_pair(cns_compare_pair *p, int k, const char *t, const char *a, const char *b)
 {
-    cns_compare_result *r = c->r;
-    if (r->differs)
+    if (p->t)
         return;
-    r->differs = true;
-    r->first.column = k;
-    r->first.t = cns_xcopy(t);
-    r->first.a = cns_xcopy(a);
-    r->first.b = cns_xcopy(b);
+    p->column = k;
+    p->t = cns_xcopy(t);
+    p->a = a ? cns_xcopy(a) : NULL;
+    p->b = b ? cns_xcopy(b) : NULL;
+}
+
+static void add_gap(cns_compare_gap *gap, const char *t)
+{
+    if (gap->count++ == 0)
+        gap->first = cns_xcopy(t);
 }
 
 static void set_text(char **to, const char *text)
@@ -196,11 +234,47 @@ static long decimals_of(const cns_exact_decimal *x)
     return -x->exponent;
 }
 
+/* Column k in a row of time t, a and b being its values, of which one at least is missing. */
+static void leave_out(comparison *c, int k, const char *t, const char *a, const char *b)
+{
+    cns_compare_result *r = c->r;
+    add_gap(&r->values[k][a ? CNS_COMPARE_B : b ? CNS_COMPARE_A : CNS_COMPARE_BOTH], t);
+    c->each[k] = a || b ? CNS_COMPARE_MISSING : CNS_COMPARE_NOTHING;
+    if (a || b)
+        note_pair(&r->first, k, t, a, b);
+}
+
+/* The same with two values, c->a.value and c->b.value. Does it set a limit to the decimals of the row? */
+static bool compare_values(comparison *c, int k, const char *t, const char *a, const char *b)
+{
+    cns_compare_result *r = c->r;
+    const long da = decimals_of(&c->a.value), db = decimals_of(&c->b.value), shorter = da < db ? da : db;
+    const long e = cns_exact_decimal_difference(c->d, &c->a.value, &c->b.value);
+    c->each[k] = shorter;
+    set_text(&r->last[k], t);
+    if (mpz_sgn(c->d) == 0)
+        return false;
+    const long agreed = cns_exact_decimal_agreed(c->d, e);
+    if (agreed < shorter) {
+        c->each[k] = agreed;
+        note_pair(&r->first, k, t, a, b);
+    }
+    if (c->each[k] < c->spec->decimals) {
+        r->n_few++;
+        note_pair(&r->few, k, t, a, b);
+    }
+    if (!r->tc[k] && beyond_delta(c, e, &c->b.value))
+        r->tc[k] = cns_xcopy(t);
+    if (r->in_norm[k] && !r->norm_tc)
+        add_to_norm(c, e, c->column[k].scale);
+    return true;
+}
+
 /* Both sides are at rows of the same time. */
 static cns_code compare_row(comparison *c, cns_error *err)
 {
     cns_compare_result *r = c->r;
-    const char *t = c->a.rows->text(c->a.rows->context, c->a.rows->time);
+    const char *t = time_text(&c->a);
     long least = LONG_MAX, given = CNS_COMPARE_NOTHING;
     bool whole = true; /* no value of the norm is missing */
     mpfr_set_zero(c->norm, 1);
@@ -211,30 +285,17 @@ static cns_code compare_row(comparison *c, cns_error *err)
             code = read_value(&c->b, c->column[k].b, &b, err);
         if (code)
             return code;
-        c->each[k] = CNS_COMPARE_NOTHING;
-        if (!a || !b) {
+        bool limits = (a != NULL) != (b != NULL);
+        if (a && b) {
+            limits = compare_values(c, k, t, a, b);
+        } else {
+            leave_out(c, k, t, a, b);
             whole = whole && !r->in_norm[k];
-            continue;
         }
-        const long da = decimals_of(&c->a.value), db = decimals_of(&c->b.value), shorter = da < db ? da : db;
-        const long e = cns_exact_decimal_difference(c->d, &c->a.value, &c->b.value);
-        c->each[k] = shorter;
-        if (shorter > given)
-            given = shorter;
-        set_text(&r->last[k], t);
-        if (mpz_sgn(c->d) == 0)
-            continue;
-        const long agreed = cns_exact_decimal_agreed(c->d, e);
-        if (agreed < shorter) {
-            c->each[k] = agreed;
-            note_difference(c, k, t, a, b);
-        }
-        if (c->each[k] < least)
+        if (limits && c->each[k] < least)
             least = c->each[k];
-        if (!r->tc[k] && beyond_delta(c, e, &c->b.value))
-            r->tc[k] = cns_xcopy(t);
-        if (r->in_norm[k] && !r->norm_tc)
-            add_to_norm(c, e, c->column[k].scale);
+        if (c->each[k] > given)
+            given = c->each[k];
     }
     if (!r->norm_tc && mpfr_cmp(c->norm, c->delta) > 0) /* of a part, if values are missing, and so of all */
         r->norm_tc = cns_xcopy(t);
@@ -249,10 +310,12 @@ static cns_code compare_row(comparison *c, cns_error *err)
  * is not to be trusted. */
 static cns_code skip(comparison *c, side *s, cns_error *err)
 {
+    const bool in_a = s == &c->a;
     cns_code code = CNS_OK;
     const char *text;
+    add_gap(&c->r->rows[in_a ? CNS_COMPARE_A : CNS_COMPARE_B], time_text(s));
     for (int k = 0; k < c->r->n && !code; k++)
-        code = read_value(s, s == &c->a ? c->column[k].a : c->column[k].b, &text, err);
+        code = read_value(s, in_a ? c->column[k].a : c->column[k].b, &text, err);
     return code ? code : advance(s, err);
 }
 
@@ -262,7 +325,7 @@ static cns_code merge(comparison *c, cns_error *err)
     if (!code)
         code = advance(&c->b, err);
     while (!code && (c->a.more || c->b.more)) {
-        const int order = !c->b.more ? -1 : !c->a.more ? 1 : cns_exact_decimal_cmp(&c->a.time, &c->b.time);
+        const int order = !c->b.more ? -1 : !c->a.more ? 1 : mpq_cmp(c->a.time, c->b.time);
         if (order != 0) {
             code = skip(c, order < 0 ? &c->a : &c->b, err);
             continue;
@@ -307,21 +370,53 @@ cns_code cns_compare(const cns_compare_spec *spec, cns_compare_result *result, c
     return code;
 }
 
+static bool is_empty(const cns_compare_gap *gap, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (gap[i].count > 0)
+            return false;
+    return true;
+}
+
+bool cns_compare_whole(const cns_compare_result *r)
+{
+    bool whole = r->n_only[CNS_COMPARE_A] == 0 && r->n_only[CNS_COMPARE_B] == 0 && is_empty(r->rows, 2);
+    for (int k = 0; k < r->n; k++)
+        whole = whole && is_empty(r->values[k], 3);
+    return whole;
+}
+
+static void free_texts(char **text, int n)
+{
+    for (int i = 0; text && i < n; i++)
+        free(text[i]);
+    free(text);
+}
+
+static void clear_pair(cns_compare_pair *p)
+{
+    free(p->t);
+    free(p->a);
+    free(p->b);
+}
+
 void cns_compare_result_clear(cns_compare_result *r)
 {
-    for (int k = 0; k < r->n; k++) {
-        free(r->name[k]);
-        free(r->tc[k]);
-        free(r->last[k]);
+    for (int i = CNS_COMPARE_A; i <= CNS_COMPARE_B; i++) {
+        free_texts(r->only[i], r->n_only[i]);
+        free(r->rows[i].first);
     }
-    free(r->name);
-    free(r->tc);
+    for (int k = 0; k < r->n; k++)
+        for (int where = 0; where < 3; where++)
+            free(r->values[k][where].first);
+    free(r->values);
+    free_texts(r->name, r->n);
+    free_texts(r->tc, r->n);
+    free_texts(r->last, r->n);
     free(r->in_norm);
     free(r->norm_tc);
-    free(r->last);
     free(r->norm_last);
-    free(r->first.t);
-    free(r->first.a);
-    free(r->first.b);
+    clear_pair(&r->first);
+    clear_pair(&r->few);
     *r = (cns_compare_result){0};
 }
