@@ -356,6 +356,18 @@ START_TEST(overrides)
     c = good(MINIMAL "abs: {smooth: 1e-3}\n", exact, 1);
     ck_assert(!c->smooth);
     cns_case_free(c);
+    /* whatever could stand in the file, and the whole of it; later ones add to it */
+    static const char *const whole[] = {"parameters={R: 3}", "output.columns = [t, y]",
+                                        "laws={digits: {from: 16, to: 20}}", "laws.digits.by=2",
+                                        "model='lorenz' # of 1963"};
+    c = good(MINIMAL "parameters: {b: 3}\nlaws: {steps: {from: 1e-2, to: 1e-3}}\n", whole, 5);
+    ck_assert_str_eq(c->parameters[1].text, "3");
+    ck_assert_str_eq(c->parameters[2].text, "8/3");
+    ck_assert_int_eq(c->n_columns, 2);
+    ck_assert_str_eq(cns_case_column_name(c, 1), "y");
+    ck_assert(c->laws.has_digits && !c->laws.has_steps);
+    ck_assert_int_eq(c->laws.digits.by, 2);
+    cns_case_free(c);
     /* a fault of the file that an override mends is none */
     static const char *const mended[] = {"time.end=5"};
     cns_case_free(good("model: lorenz\ntime: {end: -1}\n", mended, 1));
@@ -380,6 +392,18 @@ START_TEST(refuses_overrides)
             "and pi, "
             "as in 2.2, 1e-30, 8/3, 2*pi/3\n"
             "--set initial.q=1: unknown state 'q' of model lorenz; use x, y or z");
+    bad_set(MINIMAL, "output.columns=[t, q]",
+            "--set output.columns=[t, q]: unknown column 'q' of model lorenz; use t, x, y or z");
+    bad_set(
+        MINIMAL, "output.columns=[t",
+        "--set output.columns=[t: not YAML: did not find expected ',' or ']', while parsing a flow sequence");
+    bad_set(MINIMAL, "initial={x: 1, x: 2}", "--set initial={x: 1, x: 2}: doubled key 'x' in 'initial'");
+    bad_set(MINIMAL, "initial={x: [1]}",
+            "--set initial={x: [1]}: 'x' in 'initial' must be a number, not a list");
+    bad_set(MINIMAL, "initial=&a {x: 1}",
+            "--set initial=&a {x: 1}: anchors and aliases are not accepted: '&a'");
+    bad_set(MINIMAL, "time.end=3: 4",
+            "--set time.end=3: 4: not YAML: mapping values are not allowed in this context");
     bad("[\n", "t:2:1: not YAML: did not find expected node content, while parsing a flow node");
 }
 END_TEST

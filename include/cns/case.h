@@ -47,10 +47,10 @@ typedef struct cns_case {
 } cns_case;
 
 /* Reads and checks a case file, "-" being standard input. `sets` are n_sets texts "key.key=value" that
- * override scalars. Every fault is reported, one per line without a final newline ("name:line:column:
- * message", then "--set TEXT: message"), in *report, a new string (NULL when there are none) that the
- * caller frees; then the result is CNS_USAGE. CNS_IO, with one line in *report, when the file cannot be
- * read. On CNS_OK *c is a new case; else it is NULL.
+ * override values, each by one that may stand behind "key: " on a line of the file. Every fault is reported,
+ * one per line without a final newline ("name:line:column: message", then "--set TEXT: message"), in *report,
+ * a new string (NULL when there are none) that the caller frees; then the result is CNS_USAGE. CNS_IO, with
+ * one line in *report, when the file cannot be read. On CNS_OK *c is a new case; else it is NULL.
  *
  * Neither `goal` nor `numerics` is needed here: `run` needs one, studies can choose for themselves. */
 cns_code cns_case_load(const char *path, const char *const *sets, int n_sets, cns_case **c, char **report);

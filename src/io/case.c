@@ -37,9 +37,7 @@ static void apply_sets(cns_yaml_node *root, cns_faults *faults, const char *cons
         size_t path_length = equals != NULL ? (size_t)(equals - sets[i]) : 0;
         while (path_length > 0 && sets[i][path_length - 1] == ' ')
             path_length--;
-        const char *value = equals != NULL ? equals + 1 : "";
-        value += strspn(value, " ");
-        if (equals == NULL || !cns_yaml_override(root, sets[i], path_length, value, i))
+        if (equals == NULL || !cns_yaml_override(root, sets[i], path_length, equals + 1, i, faults))
             cns_faults_add(faults, mark, "write SECTION.KEY=VALUE, as in numerics.digits=80");
     }
 }

@@ -144,56 +144,19 @@ static void reset_node(cns_yaml_node *node, cns_yaml_kind kind, cns_mark mark)
     node->mark = mark;
 }
 
-bool cns_yaml_override(cns_yaml_node *root, const char *path, size_t path_length, const char *value, int set)
-{
-    const char *end = path + path_length;
-    size_t depth = 1;
-    for (const char *p = path; p < end; p++)
-        depth += *p == '.';
-    if (path_length == 0 || *path == '.' || end[-1] == '.' || depth > CNS_YAML_MAX_DEPTH)
-        return false;
-    for (const char *p = path; p + 1 < end; p++)
-        if (p[0] == '.' && p[1] == '.')
-            return false;
-
-    const cns_mark mark = {0, 0, set};
-    cns_yaml_node *node = root;
-    for (const char *p = path; p < end;) {
-        const char *stop = memchr(p, '.', (size_t)(end - p));
-        if (stop == NULL)
-            stop = end;
-        if (node->kind != CNS_YAML_MAPPING)
-            reset_node(node, CNS_YAML_MAPPING, mark);
-        char *key = cns_xcopy_n(p, (size_t)(stop - p));
-        cns_yaml_node *child = cns_yaml_find(node, key);
-        if (child == NULL) {
-            child = new_node(CNS_YAML_MAPPING, mark);
-            child->key = key;
-            child->key_mark = mark;
-            append(node, child);
-        } else {
-            free(key);
-        }
-        node = child;
-        p = stop + (stop < end);
-    }
-    reset_node(node, CNS_YAML_SCALAR, mark);
-    node->text = cns_xcopy(value);
-    return true;
-}
-
 /* Reading. */
 
 typedef struct builder {
     yaml_parser_t parser;
     cns_faults *faults;
+    int set; /* the number of the override whose value this is; -1: it is a file */
     size_t nodes;
     bool stopped; /* a fault after which reading on makes no sense */
 } builder;
 
-static cns_mark mark_of(yaml_mark_t m)
+static cns_mark mark_of(const builder *b, yaml_mark_t m)
 {
-    return (cns_mark){m.line + 1, m.column + 1, -1};
+    return b->set >= 0 ? (cns_mark){0, 0, b->set} : (cns_mark){m.line + 1, m.column + 1, -1};
 }
 
 static bool next_event(builder *b, yaml_event_t *event)
@@ -201,10 +164,10 @@ static bool next_event(builder *b, yaml_event_t *event)
     if (yaml_parser_parse(&b->parser, event))
         return true;
     const yaml_parser_t *p = &b->parser;
-    cns_mark mark = mark_of(p->problem_mark);
+    cns_mark mark = mark_of(b, p->problem_mark);
     if (p->error == YAML_MEMORY_ERROR)
         b->faults->out_of_memory = true;
-    else if (p->context != NULL && p->context_mark.line != p->problem_mark.line)
+    else if (p->context != NULL && b->set < 0 && p->context_mark.line != p->problem_mark.line)
         cns_faults_add(b->faults, mark, "not YAML: %s, %s that began on line %zu", p->problem, p->context,
                        p->context_mark.line + 1);
     else if (p->context != NULL)
@@ -265,12 +228,12 @@ static void refuse_doubled(builder *b, const cns_yaml_node *mapping, const char 
     if (first == NULL)
         return;
     child->refused = true;
-    if (where != NULL)
-        cns_faults_add(b->faults, child->key_mark, "doubled key '%s' in '%s'; it is already on line %zu",
-                       cns_quote(child->key).text, cns_quote(where).text, first->key_mark.line);
-    else
-        cns_faults_add(b->faults, child->key_mark, "doubled key '%s'; it is already on line %zu",
-                       cns_quote(child->key).text, first->key_mark.line);
+    char place[64] = "";
+    if (b->set < 0)
+        snprintf(place, sizeof place, "; it is already on line %zu", first->key_mark.line);
+    cns_faults_add(b->faults, child->key_mark, "doubled key '%s'%s%s%s%s", cns_quote(child->key).text,
+                   where != NULL ? " in '" : "", where != NULL ? cns_quote(where).text : "",
+                   where != NULL ? "'" : "", place);
 }
 
 static cns_yaml_node *build_mapping(builder *b, cns_mark mark, int depth, const char *own_key)
@@ -284,7 +247,7 @@ static cns_yaml_node *build_mapping(builder *b, cns_mark mark, int depth, const 
             yaml_event_delete(&event);
             break;
         }
-        cns_mark key_mark = mark_of(event.start_mark);
+        cns_mark key_mark = mark_of(b, event.start_mark);
         cns_yaml_node *key = build(b, &event, depth + 1, NULL);
         yaml_event_delete(&event);
         if (key != NULL && key->kind != CNS_YAML_SCALAR)
@@ -320,7 +283,7 @@ static cns_yaml_node *refused_scalar(cns_mark mark)
 /* The node that an event begins; NULL for one that was refused. `key`: the key it stands at, or NULL. */
 static cns_yaml_node *build(builder *b, const yaml_event_t *event, int depth, const char *key)
 {
-    cns_mark mark = mark_of(event->start_mark);
+    cns_mark mark = mark_of(b, event->start_mark);
     if (++b->nodes > CNS_YAML_MAX_NODES) {
         cns_faults_add(b->faults, mark, "more than %d keys and values; reading stops here",
                        CNS_YAML_MAX_NODES);
@@ -397,7 +360,7 @@ static cns_yaml_node *read_stream(builder *b)
             break;
         case YAML_DOCUMENT_START_EVENT:
             if (++documents > 1) {
-                cns_faults_add(b->faults, mark_of(event.start_mark),
+                cns_faults_add(b->faults, mark_of(b, event.start_mark),
                                "a second document begins; a case file holds one");
                 b->stopped = true;
             }
@@ -414,6 +377,25 @@ static cns_yaml_node *read_stream(builder *b)
     return root;
 }
 
+static cns_yaml_node *parse(const char *text, size_t length, int set, cns_faults *f)
+{
+    builder b = {.faults = f, .set = set};
+    if (!yaml_parser_initialize(&b.parser)) {
+        f->out_of_memory = true;
+        return NULL;
+    }
+    yaml_parser_set_input_string(&b.parser, (const unsigned char *)text, length);
+    cns_yaml_node *root = read_stream(&b);
+    yaml_parser_delete(&b.parser);
+    if (!b.stopped && root == NULL)
+        cns_faults_add(f, (cns_mark){1, 1, -1}, "the file is empty");
+    if (b.stopped) {
+        cns_yaml_free(root);
+        root = NULL;
+    }
+    return root;
+}
+
 cns_yaml_node *cns_yaml_parse(const char *text, size_t length, cns_faults *f)
 {
     const cns_mark start = {1, 1, -1};
@@ -423,19 +405,74 @@ cns_yaml_node *cns_yaml_parse(const char *text, size_t length, cns_faults *f)
     }
     if (!check_bytes(text, length, f))
         return NULL;
-    builder b = {.faults = f};
-    if (!yaml_parser_initialize(&b.parser)) {
-        f->out_of_memory = true;
+    return parse(text, length, -1, f);
+}
+
+/* Overrides. */
+
+/* The node at the path, and mappings on the way; NULL: the path is malformed or too deep. */
+static cns_yaml_node *node_at(cns_yaml_node *root, const char *path, size_t path_length, cns_mark mark)
+{
+    const char *end = path + path_length;
+    size_t depth = 1;
+    for (const char *p = path; p < end; p++)
+        depth += *p == '.';
+    if (path_length == 0 || *path == '.' || end[-1] == '.' || depth > CNS_YAML_MAX_DEPTH)
         return NULL;
+    for (const char *p = path; p + 1 < end; p++)
+        if (p[0] == '.' && p[1] == '.')
+            return NULL;
+    cns_yaml_node *node = root;
+    for (const char *p = path; p < end;) {
+        const char *stop = memchr(p, '.', (size_t)(end - p));
+        if (stop == NULL)
+            stop = end;
+        if (node->kind != CNS_YAML_MAPPING)
+            reset_node(node, CNS_YAML_MAPPING, mark);
+        char *key = cns_xcopy_n(p, (size_t)(stop - p));
+        cns_yaml_node *child = cns_yaml_find(node, key);
+        if (child == NULL) {
+            child = new_node(CNS_YAML_MAPPING, mark);
+            child->key = key;
+            child->key_mark = mark;
+            append(node, child);
+        } else {
+            free(key);
+        }
+        node = child;
+        p = stop + (stop < end);
     }
-    yaml_parser_set_input_string(&b.parser, (const unsigned char *)text, length);
-    cns_yaml_node *root = read_stream(&b);
-    yaml_parser_delete(&b.parser);
-    if (!b.stopped && root == NULL)
-        cns_faults_add(f, start, "the file is empty");
-    if (b.stopped) {
-        cns_yaml_free(root);
-        root = NULL;
+    return node;
+}
+
+bool cns_yaml_override(cns_yaml_node *root, const char *path, size_t path_length, const char *value, int set,
+                       cns_faults *f)
+{
+    const cns_mark mark = {0, 0, set};
+    cns_yaml_node *node = node_at(root, path, path_length, mark);
+    if (node == NULL)
+        return false;
+    /* A line of a file: the key, for messages, and the value. */
+    const bool word = strspn(node->key, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") ==
+                      strlen(node->key);
+    const char *key = word ? node->key : "value";
+    const size_t size = strlen(key) + strlen(value) + 3;
+    char *line = cns_xalloc(size, 1);
+    snprintf(line, size, "%s: %s", key, value);
+    cns_yaml_node *whole = parse(line, size - 1, set, f);
+    free(line);
+    cns_yaml_node *given = whole != NULL ? whole->first : NULL; /* NULL: refused, and reported */
+    reset_node(node, given != NULL ? given->kind : CNS_YAML_SCALAR, mark);
+    node->refused = given == NULL || given->refused;
+    if (given != NULL) {
+        node->text = given->text;
+        node->first = given->first;
+        node->last = given->last;
+        given->text = NULL;
+        given->first = given->last = NULL;
+    } else {
+        node->text = cns_xcopy("");
     }
-    return root;
+    cns_yaml_free(whole);
+    return true;
 }

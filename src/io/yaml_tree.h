@@ -65,8 +65,10 @@ void cns_yaml_free(cns_yaml_node *node);
 
 cns_yaml_node *cns_yaml_find(const cns_yaml_node *mapping, const char *key); /* NULL: not there */
 
-/* Puts the scalar `value` at the path (keys joined by points), making mappings on the way and replacing
- * what stood there. False when the path is malformed or too deep. */
-bool cns_yaml_override(cns_yaml_node *root, const char *path, size_t path_length, const char *value, int set);
+/* Puts a value at the path (keys joined by points), making mappings on the way and replacing the whole of
+ * what stood there. The value is what may stand behind `key: ` on one line of a file; faults in it are those
+ * of override number `set`. False when the path is malformed or too deep. */
+bool cns_yaml_override(cns_yaml_node *root, const char *path, size_t path_length, const char *value, int set,
+                       cns_faults *f);
 
 #endif

@@ -44,6 +44,19 @@ $ cat > a.yaml; cns run -q a.yaml | grep -v '^#' | head -n 2
 > re:^t,omega
 > re:^0(\.0*)?,1\.0000(,|$)
 
+= the chosen columns, from the command line
+$ cat > a.yaml; cns run -q a.yaml --set 'output.columns=[t, y]' --set 'initial={theta: 1}' | grep '^[^#]\|override\|initial:' | head -n 6
+| model: apw
+| initial: {theta: 2, Vy: 0.01, omega: 1}
+| time: {end: 1, every: 0.5}
+| goal: {decimals: 4}
+> # | initial: {theta: 2, Vy: 0.01, omega: 1}
+> # override: output.columns=[t, y]
+> # override: initial={theta: 1}
+> # initial: x = 0, y = 0, theta = 1, Vx = 0, Vy = 0, omega = 0
+> t,y,decimals,growth
+> 0,0.0000,4,0.000
+
 = a run by hand is not proven, and says so
 $ cat > a.yaml; cns run -q a.yaml | grep -c '^# UNPROVEN'
 | model: apw
