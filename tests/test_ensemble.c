@@ -153,6 +153,18 @@ START_TEST(resumes)
     for (int i = 4; i < 9; i++)
         ck_assert_int_eq(p.done[i], i == 4 ? 1 : 2);
 
+    /* what is no kept run is not overwritten, and nothing is done; an empty file may be */
+    snprintf(path, sizeof path, "%s/job-09", directory);
+    ck_assert_int_eq(cns_file_replace(path, "model: apw\n", &err), CNS_OK);
+    ck_assert_int_eq(go(&p, 1, directory, "b", results, &err), CNS_USAGE);
+    ck_assert_ptr_nonnull(strstr(err.text, "job-09 is no kept run"));
+    drop(results);
+    ck_assert_int_eq(p.done[4], 1);
+    text = cns_file_text(path);
+    ck_assert_str_eq(text, "model: apw\n");
+    free(text);
+    ck_assert_int_eq(cns_file_replace(path, "", &err), CNS_OK);
+
     /* another identity starts afresh */
     ck_assert_int_eq(go(&p, 2, directory, "b", results, &err), CNS_OK);
     drop(results);
@@ -166,6 +178,23 @@ START_TEST(resumes)
     ck_assert_int_eq(stat(path, &what), 0);
     ck_assert_int_eq(what.st_mode & 0777, 0640);
     empty(directory);
+}
+END_TEST
+
+/* Texts in names of files: different for different texts, whatever their length. */
+START_TEST(words_of_names)
+{
+    char a[200], b[200];
+    ck_assert_str_eq(cns_ensemble_word_for("1.25").text, "1.25");
+    ck_assert_str_eq(cns_ensemble_word_for("1/3").text, "1_3");
+    for (int n = 60; n < 199; n++) {
+        memset(a, '3', sizeof a);
+        a[n] = '\0';
+        strcpy(b, a);
+        b[n - 1] = '4';
+        ck_assert_str_ne(cns_ensemble_word_for(a).text, cns_ensemble_word_for(b).text);
+        ck_assert_int_le((int)strlen(cns_ensemble_word_for(a).text), 64);
+    }
 }
 END_TEST
 
@@ -189,6 +218,7 @@ Suite *suite_ensemble(void)
     TCase *tc = tcase_create("ensemble");
     tcase_add_test(tc, any_threads);
     tcase_add_test(tc, resumes);
+    tcase_add_test(tc, words_of_names);
     tcase_add_test(tc, failures);
     suite_add_tcase(s, tc);
     return s;

@@ -62,10 +62,7 @@ static void name(void *context, int i, char *text, size_t size)
 {
     const probe *p = context;
     (void)i;
-    snprintf(text, size, "trajectory-%ld-%.100s", p->digits, p->value->text);
-    for (char *at = text; *at != '\0'; at++)
-        if (*at == '/')
-            *at = '_';
+    snprintf(text, size, "trajectory-%ld-%s", p->digits, cns_ensemble_word_for(p->value->text).text);
 }
 
 static double cost(void *context, int i)

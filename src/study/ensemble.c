@@ -10,6 +10,7 @@
 #include "core/memory.h"
 #include "core/monitor.h"
 #include "core/sha256.h"
+#include "core/text.h"
 #include "num/flint.h"
 
 struct cns_ensemble_job {
@@ -59,7 +60,7 @@ void cns_ensemble_tell(cns_ensemble_job *job, double fraction)
 
 /* Files begin with a line that ties them and what they say to the job, and end with one that shows them to be
  * whole. */
-static const char whole[] = "# complete\n";
+static const char mark[] = "# cns result ", whole[] = "# complete\n";
 enum { SIGNATURE = 96 };
 
 static void signature(const cns_ensemble *e, const char *name, const char *result, size_t length, char *line)
@@ -68,8 +69,21 @@ static void signature(const cns_ensemble *e, const char *name, const char *resul
     char *all = cns_xalloc(size, 1), sum[65];
     snprintf(all, size, "%s\n%s\n%.*s", e->identity, name, (int)length, result);
     cns_sha256_hex(sum, all, size - 1);
-    snprintf(line, SIGNATURE, "# cns result %s\n", sum);
+    snprintf(line, SIGNATURE, "%s%s\n", mark, sum);
     free(all);
+}
+
+cns_ensemble_word cns_ensemble_word_for(const char *text)
+{
+    cns_ensemble_word word;
+    if (strlen(text) < sizeof word.text - 1)
+        snprintf(word.text, sizeof word.text, "%s", text);
+    else
+        cns_sha256_hex(word.text, text, strlen(text));
+    for (char *at = word.text; *at != '\0'; at++)
+        if (*at == '/')
+            *at = '_';
+    return word;
 }
 
 static char *path_of(const cns_ensemble *e, const char *name)
@@ -80,21 +94,27 @@ static char *path_of(const cns_ensemble *e, const char *name)
     return path;
 }
 
-static char *recall(const cns_ensemble *e, int i)
+/* The result of job i if it is kept, else NULL. */
+static cns_code recall(const cns_ensemble *e, int i, char **result, cns_error *err)
 {
     char name[CNS_ENSEMBLE_NAME], line[SIGNATURE];
     e->name(e->context, i, name, sizeof name);
-    char *path = path_of(e, name), *text = cns_file_text(path), *result = NULL;
-    free(path);
+    char *path = path_of(e, name), *text = cns_file_text(path);
     const char *begin = text == NULL ? NULL : strchr(text, '\n');
     const size_t length = begin == NULL ? 0 : strlen(++begin), tail = sizeof whole - 1;
-    if (length >= tail && strcmp(begin + length - tail, whole) == 0) {
+    cns_code code = CNS_OK;
+    if (text != NULL && text[0] != '\0' && strncmp(text, mark, sizeof mark - 1) != 0) {
+        char *shown = cns_text_printable(path);
+        code = cns_fail(err, CNS_USAGE, "%.300s is no kept run, and would be overwritten", shown);
+        free(shown);
+    } else if (length >= tail && strcmp(begin + length - tail, whole) == 0) {
         signature(e, name, begin, length - tail, line);
         if (strncmp(text, line, strlen(line)) == 0)
-            result = cns_xcopy_n(begin, length - tail);
+            *result = cns_xcopy_n(begin, length - tail);
     }
+    free(path);
     free(text);
-    return result;
+    return code;
 }
 
 static cns_code keep(const cns_ensemble *e, int i, const char *result, cns_error *err)
@@ -202,6 +222,9 @@ cns_code cns_ensemble_run(const cns_ensemble *e, char **results, cns_error *err)
         return cns_out_of_memory(err);
     if (e->directory != NULL && cns_directory_make(e->directory, err) != CNS_OK)
         return err->code;
+    for (int i = 0; i < e->n && e->directory != NULL; i++)
+        if (recall(e, i, &results[i], err) != CNS_OK)
+            return err->code;
     const size_t n = (size_t)e->n;
     gang g = {.lock = PTHREAD_MUTEX_INITIALIZER,
               .e = e,
@@ -210,8 +233,6 @@ cns_code cns_ensemble_run(const cns_ensemble *e, char **results, cns_error *err)
               .codes = cns_xalloc(n, sizeof *g.codes),
               .errors = cns_xalloc(n, sizeof *g.errors)};
     for (int i = 0; i < e->n; i++) {
-        if (e->directory != NULL)
-            results[i] = recall(e, i);
         if (results[i] != NULL)
             continue;
         g.jobs[g.missing] = (cns_ensemble_job){&g, i, e->cost(e->context, i), 0};

@@ -3,8 +3,9 @@
  * The results depend neither on the number of threads nor on the order in which jobs end. With a directory
  * every result is kept there in a file of its own as soon as it is there, written aside and renamed, so that
  * nothing that has been computed is lost: the same ensemble with the same directory does only what is
- * missing. A file that belongs to another identity, is not whole, or is not what was written
- * counts as missing. */
+ * missing. A file that belongs to another identity, is not whole, or is not what was written counts as
+ * missing. A file of another kind under a name that is needed is not touched: CNS_USAGE, before anything is
+ * done. */
 #ifndef CNS_STUDY_ENSEMBLE_H
 #define CNS_STUDY_ENSEMBLE_H
 
@@ -33,6 +34,14 @@ typedef struct cns_ensemble {
 } cns_ensemble;
 
 #define CNS_ENSEMBLE_NAME 128
+
+/* A text in such a name: a long one as its SHA-256, since a part of it could be that of another; slashes as
+ * '_'. */
+typedef struct cns_ensemble_word {
+    char text[65];
+} cns_ensemble_word;
+
+cns_ensemble_word cns_ensemble_word_for(const char *text);
 
 /* Runs all jobs; results[0..n-1] are new texts, or NULL where a job was not done. The failure of the first
  * job, by number, is returned, after those at work have ended; CNS_STOPPED only if nothing failed. */

@@ -120,11 +120,8 @@ static void name(void *context, int i, char *text, size_t size)
     cns_number x;
     cns_number_init(&x);
     value_at(j->sweep, i, &x);
-    snprintf(text, size, "%s=%.100s", cns_system_model(j->system)->parameters[j->sweep->parameter].name,
-             x.text);
-    for (char *at = text; *at != '\0'; at++)
-        if (*at == '/')
-            *at = '_';
+    snprintf(text, size, "%s=%s", cns_system_model(j->system)->parameters[j->sweep->parameter].name,
+             cns_ensemble_word_for(x.text).text);
     cns_number_clear(&x);
 }
 

@@ -7,7 +7,6 @@
 
 #include "core/memory.h"
 #include "core/monitor.h"
-#include "core/sha256.h"
 #include "num/decimal_text.h"
 #include "num/logs.h"
 #include "num/vector.h"
@@ -15,10 +14,7 @@
 #include "study/ensemble.h"
 #include "tc_internal.h"
 
-enum {
-    LONGEST_NAMED = 40, /* characters of a value in the name of a run */
-    LINE = 64
-};
+enum { LINE = 64 };
 static const double probe_time = 10; /* over which the first step's truncation is measured */
 
 static void run_name(void *context, int i, char *name, size_t size)
@@ -26,21 +22,14 @@ static void run_name(void *context, int i, char *name, size_t size)
     static const char *const kinds[] = {"digits", "step", "smooth", "check"};
     const cns_laws_work *l = context;
     const cns_law_job *j = &l->job[l->listed[i]];
-    char value[65];
-    if (strlen(j->text) > LONGEST_NAMED) /* names are short, and unlike all others */
-        cns_sha256_hex(value, j->text, strlen(j->text));
-    else
-        snprintf(value, sizeof value, "%s", j->text);
+    const cns_ensemble_word value = cns_ensemble_word_for(j->text);
     const int prefix = snprintf(name, size, "%s-", kinds[j->kind]);
     if (j->kind == CNS_LAW_STEPS)
         snprintf(name + prefix, size - (size_t)prefix, "%s-%d-%ld-%s-reference-%ld",
-                 l->spec->steps.method == CNS_METHOD_RK4 ? "rk4" : "taylor", l->order, j->digits, value,
+                 l->spec->steps.method == CNS_METHOD_RK4 ? "rk4" : "taylor", l->order, j->digits, value.text,
                  l->ref.digits);
     else
-        snprintf(name + prefix, size - (size_t)prefix, "%s-reference-%ld", value, l->ref.digits);
-    for (char *c = name; *c; c++)
-        if (*c == '/')
-            *c = ':';
+        snprintf(name + prefix, size - (size_t)prefix, "%s-reference-%ld", value.text, l->ref.digits);
 }
 
 /* Seconds, roughly; only their order matters. */
