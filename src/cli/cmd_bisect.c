@@ -59,8 +59,10 @@ static int run(cns_context *cx)
     const cns_case *c = cx->c;
     cns_bisect_result r = {.decimals = -1};
     cns_error err = {0};
-    if (!c->has_bisect)
-        return cns_complain(CNS_USAGE, "%s: `cns bisect` needs a section `bisect`", cx->o->operands.at[0]);
+    if (!c->has_bisect) {
+        fprintf(stderr, "%s:1:1: no 'bisect': `cns bisect` needs that section\n", c->name);
+        return CNS_USAGE;
+    }
     listener l = {.cx = cx};
     cx->monitor.progress = on_progress;
     cx->monitor.context = &l;

@@ -304,6 +304,7 @@ static int run(cns_context *cx)
 const cns_command cns_command_compare = {
     .name = "compare",
     .run = run,
+    .reads = true,
     .operands = "A B",
     .least = 2,
     .most = 2,

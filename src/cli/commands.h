@@ -9,6 +9,7 @@ typedef struct cns_command {
     const char *name;
     int (*run)(cns_context *cx); /* an exit status */
     cns_opens opens;             /* of the context */
+    bool reads;                  /* the operands are files that it reads; always, if it opens the case */
     const char *operands;        /* as shown in the usage */
     int least, most;             /* how many operands */
     const char *summary;

@@ -6,6 +6,8 @@
 
 #include "arith/fast.h"
 #include "core/clock.h"
+#include "core/text.h"
+#include "outputs.h"
 #include "report.h"
 
 static volatile sig_atomic_t stop_signal; /* the one thing a signal handler can reach */
@@ -60,7 +62,7 @@ static int open_system(cns_context *cx)
     const char *kernel = getenv("CNS_KERNEL");
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
     if (cns_fast_choose_kernel(kernel, &err))
-        return cns_complain(err.code, "CNS_KERNEL=%s: %s", kernel, err.text);
+        return cns_complain(err.code, "CNS_KERNEL=%s: %s", cns_quote(kernel).text, err.text);
     cx->system = cns_system_new(c->model, c->parameters, c->initial, c->smooth ? &c->eps : NULL, &err);
     if (cx->system == NULL)
         return cns_complain(err.code, "%s", err.text);
@@ -78,7 +80,9 @@ static int open_system(cns_context *cx)
 int cns_context_open(cns_context *cx, const cns_options *o, cns_opens opens)
 {
     *cx = (cns_context){.o = o, .since = cns_seconds()};
-    int status = opens >= CNS_OPENS_CASE ? open_case(cx) : 0;
+    int status = cns_outputs_check(o);
+    if (!status && opens >= CNS_OPENS_CASE)
+        status = open_case(cx);
     return status || opens < CNS_OPENS_SYSTEM ? status : open_system(cx);
 }
 

@@ -17,7 +17,8 @@ typedef enum kind {
     KIND_FLAG,     /* bool; no value */
     KIND_COUNT,    /* int: how often the option is given; no value */
     KIND_TEXT,     /* const char *: anything; its command checks it */
-    KIND_NAME,     /* const char *, not empty: of a file or a directory */
+    KIND_NAME,     /* const char *, not empty: of a directory */
+    KIND_WRITTEN,  /* const char *, not empty: of a file that the command writes */
     KIND_RATIONAL, /* const char *: a number > 0 of the grammar of case files, without pi */
     KIND_LIST,     /* cns_texts: anything, and many times */
     KIND_INTEGER,  /* long, from least to most */
@@ -39,6 +40,7 @@ typedef struct option_row {
 #define COUNT(member)                MEMBER(KIND_COUNT, member), 0, 0
 #define TEXT(member)                 MEMBER(KIND_TEXT, member), 0, 0
 #define NAME(member)                 MEMBER(KIND_NAME, member), 0, 0
+#define WRITTEN(member)              MEMBER(KIND_WRITTEN, member), 0, 0
 #define RATIONAL(member)             MEMBER(KIND_RATIONAL, member), 0, 0
 #define LIST(member)                 MEMBER(KIND_LIST, member), 0, 0
 #define INTEGER(member, least, most) MEMBER(KIND_INTEGER, member), least, most
@@ -166,8 +168,9 @@ static cns_code take(parser *p, int option, const char *value)
         return take_positive(p, row, value, member);
     case KIND_RATIONAL:
     case KIND_NAME:
+    case KIND_WRITTEN:
     case KIND_TEXT:
-        if (row->kind == KIND_NAME && value[0] == '\0')
+        if ((row->kind == KIND_NAME || row->kind == KIND_WRITTEN) && value[0] == '\0')
             return cns_fail(p->err, CNS_USAGE, "--%s needs a name", row->name);
         *(const char **)member = value;
         return row->kind == KIND_RATIONAL ? check_rational(p, row, value) : CNS_OK;
@@ -297,6 +300,19 @@ cns_code cns_options_parse(cns_options *o, int argc, char *const *argv, cns_erro
     if (o->help || o->version)
         return CNS_OK;
     return check_use(&p);
+}
+
+int cns_options_written(const cns_options *o, cns_written *list, int most)
+{
+    int n = 0;
+    for (const cns_option *at = o->command->options; at != NULL && *at != CNS_OPTIONS_END && n < most; at++) {
+        const option_row *row = &options[*at];
+        const char *path =
+            row->kind == KIND_WRITTEN ? *(const char *const *)((const char *)o + row->member) : NULL;
+        if (path != NULL)
+            list[n++] = (cns_written){row->name, path};
+    }
+    return n;
 }
 
 void cns_options_clear(cns_options *o)

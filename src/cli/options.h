@@ -24,13 +24,14 @@ typedef struct cns_options {
     cns_texts operands;
 
     /* One member for each name in options.def; the kind of the option says of which type. */
-    bool yaml, prove, quiet, help, version;                   /* FLAG: given? */
-    int verbose;                                              /* COUNT: how many times */
-    const char *output, *events, *until, *sweep, *observable; /* TEXT; NAME, not empty; NULL: not given */
-    const char *delta;                                        /* RATIONAL: a number > 0, no multiple of pi */
-    long threads, reference_digits, decimals, digits;         /* INTEGER: in its range; 0: not given */
-    double seconds;                                           /* POSITIVE: > 0; 0: not given */
-    cns_texts sets, sections;                                 /* LIST */
+    bool yaml, prove, quiet, help, version; /* FLAG: given? */
+    int verbose;                            /* COUNT: how many times */
+    const char *output, *events, *until, *sweep,
+        *observable;                                  /* TEXT; NAME and WRITTEN, not empty; NULL: not given */
+    const char *delta;                                /* RATIONAL: a number > 0, no multiple of pi */
+    long threads, reference_digits, decimals, digits; /* INTEGER: in its range; 0: not given */
+    double seconds;                                   /* POSITIVE: > 0; 0: not given */
+    cns_texts sets, sections;                         /* LIST */
 } cns_options;
 
 typedef enum cns_option {
@@ -44,6 +45,14 @@ typedef enum cns_option {
  * checked. argv must outlive o; cns_options_clear() frees the lists. */
 cns_code cns_options_parse(cns_options *o, int argc, char *const *argv, cns_error *err);
 void cns_options_clear(cns_options *o);
+
+/* A file that the command writes, and the option that names it. */
+typedef struct cns_written {
+    const char *option, *path;
+} cns_written;
+
+/* Those that are given, in the order of the help; returns how many, at most `most`. */
+int cns_options_written(const cns_options *o, cns_written *list, int most);
 
 /* The options that a command takes, one per line; NULL: those that every command takes. */
 void cns_options_print(const struct cns_command *command, FILE *out);

@@ -39,8 +39,8 @@ $ cns bisect -q "$CASES"/heteroclinic.yaml --set bisect.upper=1.4
 ? 3
 
 = without a section bisect
-$ cns bisect "$CASES"/flutter.yaml
-2> re:needs a section .bisect.
+$ cp "$CASES"/flutter.yaml a.yaml; cns bisect a.yaml
+2> a.yaml:1:1: no 'bisect': `cns bisect` needs that section
 ? 2
 
 = by trajectory: the same, found in another way
