@@ -7,27 +7,13 @@
 
 static const double remembers = 0.55, changes = 200;
 
-double cns_batch_error(const double *x, int n, int batches)
-{
-    const int size = n / batches;
-    double mean = 0, sum = 0;
-    for (int i = 0; i < n; i++)
-        mean += x[i] / n;
-    for (int b = 0; b < batches; b++) {
-        double deviation = 0;
-        for (int i = 0; i < size; i++)
-            deviation += x[b * size + i] - mean;
-        deviation /= size;
-        sum += deviation * deviation;
-    }
-    return sqrt(sum / ((double)batches * (batches - 1)));
-}
-
 /* Where batch b of `batches` ends: up to half a batch from its regular end, without any pattern. */
 static int irregular_end(int n, int batches, int b)
 {
     const double size = (double)n / batches, x = (double)b * b * 0.61803398874989484820;
-    return b < batches ? (int)(size * (b + x - floor(x) - 0.5)) : n;
+    if (b == batches || n < 2 * batches)
+        return (int)((long)n * b / batches);
+    return (int)(size * (b + x - floor(x) - 0.5));
 }
 
 /* The sums of x less the mean of x over irregular batches; to be freed. */
@@ -40,6 +26,15 @@ static double *irregular_sums(const double *x, int n, int batches)
         for (const int end = irregular_end(n, batches, b + 1); i < end; i++)
             sum[b] += x[i] - mean;
     return sum;
+}
+
+double cns_batch_error(const double *x, int n, int batches)
+{
+    double *sum = irregular_sums(x, n, batches), squares = 0;
+    for (int b = 0; b < batches; b++)
+        squares += sum[b] * sum[b];
+    free(sum);
+    return sqrt(squares * batches / (batches - 1)) / n;
 }
 
 bool cns_batches_remember(const double *x, int n, int batches)

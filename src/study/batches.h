@@ -1,16 +1,15 @@
 /* Means of terms that remember each other: their error, and whether they have one.
  *
  * The error is that of batch means: batches that are long enough do not remember each other, and their
- * scatter tells the error of the whole. Two tests say where that fails. Both sum the terms between irregular
- * ends, so that a period of the terms, which could be in step with regular ones, looks like the noise that it
- * is. */
+ * scatter tells the error of the whole. Two tests say where that fails. Batches of more than one term end at
+ * irregular places: a period of the terms, which could be in step with regular ones, and then be overlooked,
+ * looks like the noise that it is. */
 #ifndef CNS_STUDY_BATCHES_H
 #define CNS_STUDY_BATCHES_H
 
 #include <stdbool.h>
 
-/* The standard error of the mean of x[0..n-1] from `batches` batches of n / batches each, which must divide
- * n; at least 2. */
+/* The standard error of the mean of x[0..n-1] from 2 <= batches <= n batches of about the same length. */
 double cns_batch_error(const double *x, int n, int batches);
 
 /* Do batches remember each other, so that their error is too small? The correlation of neighbouring batches
