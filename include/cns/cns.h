@@ -32,7 +32,7 @@
  *     case.h               case files, as the program `cns` reads them
  *     study/tc.h           how long a run can be trusted;  study/laws.h  against digits, step and smoothing
  *     study/compare.h      two tables
- *     study/lyapunov.h     the largest exponent
+ *     study/lyapunov.h     Lyapunov exponents
  *     study/equilibria.h   fixed points
  *     study/classify.h     the mode of a motion;  study/sweep.h  for each value of a parameter;
  *     study/bisect.h       the value at which it changes

@@ -12,6 +12,8 @@
 
 enum { MAX_DIGITS = 400 };
 
+static const char neutral_phase[] = "exact: a shift along the cycle neither grows nor shrinks";
+
 static void text_unless_null(cns_summary *s, const char *key, const char *text)
 {
     if (text != NULL)
@@ -42,7 +44,10 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
             text_unless_null(s, cx->c->model->states[i].name, m->drift[i]);
         cns_summary_shut(s);
     }
-    if (m->lambda_se >= 0) {
+    if (m->period != NULL) {
+        cns_summary_long(s, "lambda", 0);
+        cns_summary_text(s, "lambda_note", neutral_phase);
+    } else if (m->lambda_se >= 0) {
         cns_summary_number(s, "lambda", m->lambda, 4);
         cns_summary_number(s, "lambda_se", m->lambda_se, 2);
     }
@@ -89,7 +94,9 @@ static void print_text(FILE *out, const cns_context *cx, const void *result)
             print_line(out, value, m->drift[i], "in a period");
         }
     }
-    if (m->lambda_se >= 0) {
+    if (m->period != NULL) {
+        print_line(out, "lambda", "0", neutral_phase);
+    } else if (m->lambda_se >= 0) {
         snprintf(value, sizeof value, "%.4g +- %.2g", m->lambda, m->lambda_se);
         print_line(out, "lambda", value, "largest exponent");
     }

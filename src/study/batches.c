@@ -5,7 +5,8 @@
 
 #include "core/memory.h"
 
-static const double remembers = 0.55, changes = 200;
+static const double remembers = 0.55, changes = 0.585;
+enum { LEAST_BATCHES = 2 }; /* before a change, and after it */
 
 /* Where batch b of `batches` ends: up to half a batch from its regular end, without any pattern. */
 static int irregular_end(int n, int batches, int b)
@@ -48,43 +49,45 @@ bool cns_batches_remember(const double *x, int n, int batches)
     return products > remembers * squares;
 }
 
-/* The sum over j of (x[0] + ... + x[j] less its share of the whole)^2; step -1: x[0], x[-1], ... */
-static double wandering(const double *x, int n, int step)
+/* How much smaller sum_i (x[i] - mean)^2 is with a mean of their own for the first k terms and for the
+ * others; part: the sum of the first k terms less k times the mean of all. */
+static double explained(double part, int k, int n)
 {
-    double whole = 0, part = 0, squares = 0;
-    for (int i = 0; i < n; i++)
-        whole += x[i * step];
-    for (int i = 0; i < n; i++) {
-        part += x[i * step];
-        const double away = part - whole * (i + 1) / n;
-        squares += away * away;
-    }
-    return squares;
+    return part * part * n / ((double)k * (n - k));
 }
 
-static double mean_of(const double *x, int n)
+/* The k for which that is largest, at least `margin` from both ends. */
+static int best_place(const double *x, int n, int margin, double *most)
 {
-    double sum = 0;
+    double mean = 0, part = 0;
+    int place = 0;
+    *most = 0;
     for (int i = 0; i < n; i++)
-        sum += x[i];
-    return sum / n;
-}
-
-int cns_find_change(const double *x, int n, int size, double least)
-{
-    const int sums = n / size;
-    double *sum = irregular_sums(x, n, sums), part = 0, largest = changes;
-    int found = 0;
-    for (int k = 1; k < sums; k++) {
-        part += sum[k - 1];
-        const double v = wandering(sum, k, 1) + wandering(sum + sums - 1, sums - k, -1);
-        if (part * part * sums > largest * v) {
-            largest = part * part * sums / v;
-            found = irregular_end(n, sums, k);
+        mean += x[i] / n;
+    for (int k = 1; k <= n - margin; k++) {
+        part += x[k - 1] - mean;
+        if (k >= margin && explained(part, k, n) > *most) {
+            *most = explained(part, k, n);
+            place = k;
         }
     }
+    return place;
+}
+
+int cns_find_change(const double *x, int n, int batches, double least)
+{
+    double *sum = irregular_sums(x, n, batches), squares = 0, most;
+    for (int b = 0; b < batches; b++)
+        squares += sum[b] * sum[b];
+    best_place(sum, batches, LEAST_BATCHES, &most);
     free(sum);
-    if (found > 0 && fabs(mean_of(x + found, n - found) - mean_of(x, n)) < least)
-        found = 0;
-    return found;
+    if (!(most > changes * squares))
+        return 0;
+    const int at = best_place(x, n, LEAST_BATCHES * n / batches, &most);
+    double whole = 0, after = 0;
+    for (int i = 0; i < n; i++) {
+        whole += x[i] / n;
+        after += i >= at ? x[i] / (n - at) : 0;
+    }
+    return fabs(after - whole) < least ? 0 : at;
 }

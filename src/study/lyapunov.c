@@ -15,7 +15,6 @@ enum {
     PART = 32 * CNS_LYAPUNOV_ROWS, /* blocks: 32 batches of one block in the first row of one part */
     BLOCKS = PARTS * PART,         /* growth is recorded this often */
     BATCHES = 32,                  /* for the standard error */
-    TESTED = 8,                    /* blocks in a term of the search for a change */
     TRANSIENT_PART = 10            /* the transient that is always left out is such a part of the time */
 };
 
@@ -75,7 +74,7 @@ static bool find_change(const record *r, int from, int *at, cns_lyapunov_change 
     *at = 0;
     for (int i = 0; i < r->n; i++) {
         const double least = fmax(covered * error(r, i, from, BLOCKS, BATCHES), invisible);
-        const int k = cns_find_change(r->rate + i * BLOCKS + from, BLOCKS - from, TESTED, least);
+        const int k = cns_find_change(r->rate + i * BLOCKS + from, BLOCKS - from, BATCHES, least);
         if (k == 0 || from + k <= *at)
             continue;
         *at = from + k;

@@ -14,7 +14,7 @@ $ cns classify -q --yaml "$CASES"/flutter.yaml
 > re:^  x: 0\.0000000000$
 > ...
 > lambda: 0
-> lambda_se: 0
+> re:^lambda_note: 'exact: a shift along the cycle
 > observable: omega
 > maxima:
 > ...

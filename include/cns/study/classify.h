@@ -65,8 +65,8 @@ typedef struct cns_motion {
     int n_states;
     double multiplier; /* of one repetition, the largest modulus */
     /* Of all: */
-    double lambda, lambda_se; /* largest exponent; 0 and 0 for periodic ones, whose phase is neutral and which
-                                 attract otherwise; lambda_se < 0: not known */
+    double lambda, lambda_se; /* largest exponent; lambda_se < 0: not measured. Of periodic motions, which
+                                 attract but for a shift along the cycle, it is 0, which is not measured */
     double transient, time;   /* when the late motion begins (chaos: from when on the exponent
                                  was measured); how far it was followed */
     long digits;              /* of the finest run; 0: double */

@@ -238,7 +238,8 @@ static cns_code describe(const cns_return_map *S, const cns_late *late, const cn
     motion->winding = b.winding;
     motion->returns = fine->returns;
     motion->multiplier = fine->multiplier;
-    motion->lambda = motion->lambda_se = 0;
+    motion->lambda = 0;
+    motion->lambda_se = -1;
     motion->period = agreed(a.value[0], b.value[0], noise);
     if (b.winding == 0)
         motion->amplitude = agreed(a.value[1], b.value[1], noise);

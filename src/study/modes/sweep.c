@@ -157,7 +157,9 @@ static void print_row(FILE *out, const cns_motion *m)
     print_optional(out, m->descent);
     if (periodic)
         fprintf(out, "%.4g", m->multiplier);
-    if (m->lambda_se >= 0)
+    if (periodic)
+        fprintf(out, ",0,,");
+    else if (m->lambda_se >= 0)
         fprintf(out, ",%.5g,%.2g,", m->lambda, m->lambda_se);
     else
         fprintf(out, ",,,");
