@@ -425,6 +425,14 @@ static void check_print(const char *text)
 START_TEST(prints_what_reads_back)
 {
     check_print(MINIMAL);
+    static const char tenth[] = MINIMAL "goal: {decimals: 7, max_time: 0.1}\n";
+    cns_case *c = good(tenth, NULL, 0);
+    char *text = printed(c);
+    ck_assert_ptr_nonnull(strstr(text, "max_time: 0.1\n"));
+    free(text);
+    cns_case_free(c);
+    check_print(tenth);
+    check_print(MINIMAL "goal: {decimals: 7, max_time: 1/3}\n");
     check_print(MINIMAL "goal: {decimals: 7, max_time: 1e3}\nabs: {smooth: 1e-30}\n");
     check_print(MINIMAL "goal: {significant: 7, max_digits: 70}\noutput: {columns: [z, t]}\n");
     check_print(MINIMAL "numerics: {digits: 50, order: 60, step: 1/64, tolerance: 1e-40}\n");

@@ -61,7 +61,7 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *found)
 {
     const cns_result *result = found;
     char end[64];
-    snprintf(end, sizeof end, "%.17g", result->end);
+    snprintf(end, sizeof end, "%.15g", result->end); /* 0.1, not 0.10000000000000001 */
     cns_summary_text(s, "end", result->complete ? cx->c->end.text : end);
     if (result->decimals >= 0)
         cns_summary_long(s, "decimals", result->decimals);
@@ -70,7 +70,8 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *found)
     cns_summary_long(s, "steps", result->steps);
     cns_summary_long(s, "landings", result->landings);
     cns_summary_long(s, "events", result->landings); /* its older name, until version 0.2 */
-    cns_summary_text(s, "kernel", result->run.kernel);
+    if (result->run.kernel != NULL)                  /* a run was begun, not only planned */
+        cns_summary_text(s, "kernel", result->run.kernel);
     cns_summary_seconds(s, "wall_s", result->wall_s);
 }
 

@@ -237,7 +237,11 @@ static const char *value_text(const cns_case *c, const cns_key *k, char *room, s
     case KEY_NUMBER:
         if (k->type == FIELD_NUMBER)
             return ((const cns_number *)field)->text;
-        snprintf(room, size, "%.17g", *(const double *)field);
+        for (int digits = 15; digits <= 17; digits++) { /* as few as tell it from all others */
+            snprintf(room, size, "%.*g", digits, *(const double *)field);
+            if (strtod(room, NULL) == *(const double *)field)
+                break;
+        }
         return *(const double *)field > 0 ? room : NULL;
     case KEY_INTEGER:
         snprintf(room, size, "%ld", value);

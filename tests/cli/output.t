@@ -183,6 +183,23 @@ $ grep -c 'digits, order' plain; tail -n 1 much
 > 1
 > re:^cns: [0-9]+ steps, [0-9]+ events, 
 
+= a summary of a run that has not begun, and of one that ended early
+$ cat > a.yaml; cns run -q a.yaml --yaml --set goal.max_time=1e-9 | grep -v wall_s
+$ cns run -q a.yaml --yaml --set goal.max_digits=30 --set goal.decimals=10 --set time.end=200 | sed -n 's/^end: [0-9]*\.[0-9]$/a decimal/p'
+| model: apw
+| initial: {theta: 1, Vy: 0.01, omega: 1}
+| time: {end: 1, every: 0.1}
+| goal: {decimals: 4}
+> end: 0
+> digits: 0
+> order: 0
+> steps: 0
+> landings: 0
+> events: 0
+> a decimal
+2> cns: max_time is used up while planning
+2> re:^cns: no decimal can be proven from t = 
+
 = a file has the mode that the user's mask gives it
 $ cat > a.yaml; umask 027; cns run -q a.yaml -o a.csv; ls -l a.csv | cut -c1-10
 | model: apw
