@@ -152,7 +152,7 @@ $ cns run "$(printf 'a%%s%%n\nb.yaml')" 2>&1 | grep -c '%s%n'
 $ name=$(printf 'a\n1,2\nb.yaml'); cp "$CASES"/flutter.yaml "$name"
 $ cns run -q "$name" --set time.end=1 --events e.csv -o t.csv
 $ cns classify -q "$name" --sweep I=1:1:1 > s.csv
-$ cns lyapunov -q "$name" --set lyapunov.time=10 > l.csv
+$ cns lyapunov -q "$name" --set lyapunov.time=100 > l.csv
 $ for f in t e s l; do grep '^# case' $f.csv; grep -c -x 1,2 $f.csv || true; done
 > re:^# case: a\?1,2\?b.yaml, SHA-256 
 > 0
