@@ -122,7 +122,7 @@ static cns_code refine(const cns_laws_work *l, const cns_system *s, const mpfr_t
     cns_tc_result_clear(&r);
     numbers_free(a, l->n);
     numbers_free(b, l->n);
-    return code == CNS_STOPPED ? code : CNS_OK;
+    return code == CNS_STOPPED || code == CNS_MEMORY ? code : CNS_OK;
 }
 
 /* s: the system that the job is about. precision: of a second reference; it must outlive the flow. */
