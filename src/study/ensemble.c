@@ -29,7 +29,8 @@ typedef struct gang {
     double total, done;     /* costs of what had to be computed, and of what has been */
     int ended, missing;
     double next_word; /* when to speak again */
-    bool halt;        /* a job has failed */
+    bool halt;        /* a job has failed, or no more may be begun */
+    cns_error why;    /* no more may be begun: it was stopped, or memory is short */
     cns_code *codes;
     cns_error *errors;
 } gang;
@@ -156,9 +157,8 @@ static void work(gang *g, cns_ensemble_job *job)
 static cns_ensemble_job *take(gang *g)
 {
     pthread_mutex_lock(&g->lock);
-    const bool over =
-        g->halt || g->next == g->missing || cns_go_on(cns_monitor_stop(g->e->monitor), NULL) != CNS_OK;
-    cns_ensemble_job *job = over ? NULL : &g->jobs[g->next++];
+    g->halt = g->halt || cns_go_on(cns_monitor_stop(g->e->monitor), &g->why) != CNS_OK;
+    cns_ensemble_job *job = g->halt || g->next == g->missing ? NULL : &g->jobs[g->next++];
     pthread_mutex_unlock(&g->lock);
     return job;
 }
@@ -208,6 +208,8 @@ static cns_code verdict(const gang *g, cns_error *err)
             *err = g->errors[i];
             return g->codes[i];
         }
+    if (g->ended < g->missing && g->why.code == CNS_MEMORY)
+        return cns_fail(err, CNS_MEMORY, "%s", g->why.text);
     if (g->ended < g->missing)
         return cns_fail(err, CNS_STOPPED, "stopped with %d of %d runs done", e->n - g->missing + g->ended,
                         e->n);
