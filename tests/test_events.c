@@ -328,22 +328,23 @@ START_TEST(places_of_an_event)
         mpfr_set_d(fine.m.state[i], 100 * i + 0.3, MPFR_RNDN);
     cns_found coarse = fine; /* the same: what is left is noise */
     coarse.noise_log2 = -100;
+    const bool constant[N] = {false};
     const double largest = log2(200.3), slow = log2(1 + 1 / 0.25);
     double error;
-    long places = cns_event_places(&p, &fine, &coarse, CNS_PLACES_DECIMALS, 60, &error);
+    long places = cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 60, &error);
     ck_assert_double_eq_tol(error, (4 - 100 + largest + slow) * log10(2), 1e-9);
     ck_assert(places == (long)floor(-error) || places == (long)floor(-error) - 1); /* one may straddle */
-    ck_assert_int_eq(cns_event_places(&p, &fine, &coarse, CNS_PLACES_DECIMALS, 9, &error), 9);
+    ck_assert_int_eq(cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 9, &error), 9);
 
     fine.m.direction = coarse.m.direction = 0; /* a touch moves by the root of that */
-    cns_event_places(&p, &fine, &coarse, CNS_PLACES_DECIMALS, 60, &error);
+    cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 60, &error);
     ck_assert_double_eq_tol(error, (4 + (largest - 100) / 2) * log10(2), 1e-9);
 
     coarse.m.direction = -1;
-    ck_assert_int_eq(cns_event_places(&p, &fine, &coarse, CNS_PLACES_DECIMALS, 60, &error), -1);
+    ck_assert_int_eq(cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 60, &error), -1);
     coarse.m.direction = 0;
     coarse.m.k = 1;
-    ck_assert_int_eq(cns_event_places(&p, &fine, &coarse, CNS_PLACES_DECIMALS, 60, &error), -1);
+    ck_assert_int_eq(cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 60, &error), -1);
     mpfr_clear(fine.m.time);
     cns_vector_free(fine.m.state);
     cns_event_condition_clear(&condition);

@@ -45,6 +45,12 @@ const cns_number *cns_system_initial(const cns_system *s);    /* model->n_states
 const cns_number *cns_system_smooth(const cns_system *s);     /* NULL: true absolute values */
 const double *cns_system_scales(const cns_system *s);         /* model->n_states: the model's typical sizes */
 
+/* Which states keep their initial value for ever (constant, n_states), and which outputs are zero for ever
+ * (zero_output, n_outputs). Both are proven, not measured: a derivative vanishes identically, or the dynamic
+ * states begin in a fixed point of one of the model's symmetries, or of a product of them, so that what
+ * changes its sign under it cannot move. CNS_MEMORY; CNS_NUMERIC, as for cns_flow_new(). */
+cns_code cns_system_constants(const cns_system *s, bool *constant, bool *zero_output, cns_error *err);
+
 /* The model's guesses for the fixed points of this system, at most CNS_MODEL_MAX_GUESSES; returns how many.
  */
 int cns_system_guesses(const cns_system *s, cns_model_guess *guesses);

@@ -10,6 +10,7 @@
 #include "core/files.h"
 #include "core/memory.h"
 #include "core/text.h"
+#include "taylor/jet.h"
 
 struct cns_system {
     const cns_model *model;
@@ -211,6 +212,89 @@ const cns_number *cns_system_smooth(const cns_system *s)
 const double *cns_system_scales(const cns_system *s)
 {
     return s->scales;
+}
+
+/* The one state that a symmetry shifts, by a multiple of what turns it back; -1: none, -2: several. */
+static int shifted(const cns_model *m, const cns_model_symmetry *y)
+{
+    int found = -1;
+    for (int i = 0; i < m->n_states; i++)
+        if (y->shift[i] != NULL)
+            found = found == -1 ? i : -2;
+    return found;
+}
+
+/* Is x a fixed point of x -> sign x + (odd ? 1 : 0) shift, up to multiples of 2 shift? shift NULL: none. */
+static bool is_fixed(const cns_number *x, int sign, const char *shift, bool odd)
+{
+    cns_error ignored;
+    cns_number by;
+    bool fixed = shift == NULL || !odd; /* for sign 1 */
+    if (sign > 0)
+        return fixed;
+    if (shift == NULL || mpq_sgn(x->ratio) == 0)
+        return mpq_sgn(x->ratio) == 0 && !odd;
+    cns_number_init(&by);
+    fixed = !cns_number_parse(&by, shift, &ignored) && by.pi_power == x->pi_power && mpq_sgn(by.ratio) != 0;
+    if (fixed) { /* 2 x / shift is an integer, odd or even */
+        mpq_div(by.ratio, x->ratio, by.ratio);
+        mpq_mul_2exp(by.ratio, by.ratio, 1);
+        fixed = mpz_cmp_ui(mpq_denref(by.ratio), 1) == 0 && (mpz_odd_p(mpq_numref(by.ratio)) != 0) == odd;
+    }
+    cns_number_clear(&by);
+    return fixed;
+}
+
+/* Marks what the product of a set of symmetries (bits) keeps constant, if the dynamic states begin in a fixed
+ * point of it. */
+static void mark_fixed(const cns_system *s, unsigned set, bool *constant)
+{
+    const cns_model *m = s->model;
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < m->n_states; i++) {
+            const char *shift = NULL;
+            int sign = 1;
+            bool odd = false;
+            for (int k = 0; k < m->n_symmetries; k++) {
+                const cns_model_symmetry *y = &m->symmetries[k];
+                if (shifted(m, y) == i && shift == NULL)
+                    shift = y->shift[i];
+                if (!(set & 1u << k))
+                    continue;
+                sign *= y->sign[i];
+                odd = odd != (y->shift[i] != NULL);
+                if (shifted(m, y) == -2 || (y->shift[i] != NULL && strcmp(y->shift[i], shift) != 0))
+                    return; /* shifts that are no multiples of one */
+            }
+            if (pass == 1)
+                constant[i] = constant[i] || sign < 0;
+            else if (cns_program_is_dynamic(s->program, i) && !is_fixed(&s->initial[i], sign, shift, odd))
+                return;
+        }
+}
+
+cns_code cns_system_constants(const cns_system *s, bool *constant, bool *zero_output, cns_error *err)
+{
+    const cns_jet_spec spec = {
+        .program = s->program, .ops = &cns_arith_mpfr, .order = 1, .prec = 64, .outputs = true};
+    mpfr_t x;
+    for (int i = 0; i < s->model->n_states; i++)
+        constant[i] = false;
+    for (unsigned set = 1; set < 1u << s->model->n_symmetries; set++)
+        mark_fixed(s, set, constant);
+    cns_jet *jet = cns_jet_new(&spec, err);
+    if (jet == NULL)
+        return err->code;
+    mpfr_init2(x, spec.prec);
+    cns_jet_begin(jet, 1);
+    for (int i = 0; i < s->model->n_states; i++) {
+        cns_number_get_mpfr(x, &s->initial[i]);
+        cns_jet_set_state(jet, i, x);
+    }
+    cns_jet_constants(jet, constant, zero_output);
+    cns_jet_free(jet);
+    mpfr_clear(x);
+    return CNS_OK;
 }
 
 int cns_system_guesses(const cns_system *s, cns_model_guess *guesses)

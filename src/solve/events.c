@@ -84,8 +84,8 @@ int cns_event_partner(const cns_found_list *fine, const cns_found_list *coarse)
     return -1;
 }
 
-long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_found *coarse, cns_places places,
-                      long most, double *error_log10)
+long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_found *coarse,
+                      const bool *constant, cns_places places, long most, double *error_log10)
 {
     const cns_meeting *a = &fine->m, *b = &coarse->m;
     const cns_event_condition *c = &p->conditions[a->condition];
@@ -108,7 +108,7 @@ long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_fou
     int count = 0;
     value[count++] = (cns_bounded){a->time, time_error};
     for (int i = 0; i < n; i++) /* zero in both runs is an invariant line, and exact */
-        if (i != exact && !(mpfr_zero_p(a->state[i]) && mpfr_zero_p(b->state[i])))
+        if (i != exact && !constant[i] && !(mpfr_zero_p(a->state[i]) && mpfr_zero_p(b->state[i])))
             value[count++] = (cns_bounded){a->state[i], error};
     const long found = cns_proof_places(value, count, places, most);
     *error_log10 = cns_log2_mpfr(error) * CNS_LOG10_2;
@@ -122,8 +122,8 @@ static char *text_of(mpfr_srcptr x, cns_places places, long count, long digits)
     return count < 0 ? cns_text_digits(x, digits) : cns_text_mpfr(x, places, count);
 }
 
-cns_code cns_event_tell(const cns_problem *p, const cns_meeting *m, cns_places places, long count,
-                        long digits, cns_error *err)
+cns_code cns_event_tell(const cns_problem *p, const cns_meeting *m, const bool *constant, cns_places places,
+                        long count, long digits, cns_error *err)
 {
     const int n = cns_program_states(cns_system_program(p->system));
     cns_event e = {.condition = m->condition,
@@ -133,7 +133,9 @@ cns_code cns_event_tell(const cns_problem *p, const cns_meeting *m, cns_places p
                    .state = cns_xalloc((size_t)n + 1, sizeof *e.state),
                    .decimals = count < 0 ? -1 : count};
     for (int i = 0; i < n; i++)
-        e.state[i] = text_of(m->state[i], places, count, digits);
+        e.state[i] = count >= 0 && constant[i]
+                         ? cns_text_number(&cns_system_initial(p->system)[i], places, count)
+                         : text_of(m->state[i], places, count, digits);
     cns_code code = p->sink && p->sink->event ? p->sink->event(p->sink->context, &e, err) : CNS_OK;
     for (int i = 0; i < n; i++)
         free(e.state[i]);

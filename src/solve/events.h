@@ -34,11 +34,11 @@ int cns_event_partner(const cns_found_list *fine, const cns_found_list *coarse);
 /* The number of places, at most `most`, to which time and states of an event are certain; -1: none are, or
  * the runs disagree on what happens. *error_log10: log10 of the bound of its error; HUGE_VAL: there is none.
  */
-long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_found *coarse, cns_places places,
-                      long most, double *error_log10);
+long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_found *coarse,
+                      const bool *constant, cns_places places, long most, double *error_log10);
 
 /* Tells the sink of an event, to `count` places or, without a proof (count < 0), with so many digits. */
-cns_code cns_event_tell(const cns_problem *p, const cns_meeting *m, cns_places places, long count,
-                        long digits, cns_error *err);
+cns_code cns_event_tell(const cns_problem *p, const cns_meeting *m, const bool *constant, cns_places places,
+                        long count, long digits, cns_error *err);
 
 #endif

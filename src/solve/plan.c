@@ -50,29 +50,33 @@ static double size_of(const cns_problem *p, const cns_goal *goal, const mpfr_t *
     return most;
 }
 
-static double places_of_row(const cns_problem *p, const cns_goal *goal, const cns_sample *s)
-{
-    double most = (double)cns_goal_count(goal);
-    for (int i = 0; i < cns_columns(p); i++) {
-        const cns_column c = cns_column_at(p, i);
-        if (c.kind != CNS_COLUMN_TIME)
-            most = fmax(most,
-                        places_of(goal, c.kind == CNS_COLUMN_STATE ? s->state[c.index] : s->output[c.index]));
-    }
-    return most;
-}
-
 /* The digits that noise made from each origin on may cost any later row: what it grows to, at most, and a
  * margin for the part of the way that the preliminary run cannot know. */
 typedef struct needs {
     const cns_problem *p;
     const cns_goal *goal;
     cns_growth *growth;
-    double most; /* of noise made anywhere */
+    bool *constant, *zero_output; /* what needs no digits, as it never changes (cns/system.h) */
+    double most;                  /* of noise made anywhere */
     int n;
     double time[CNS_GROWTH_ORIGINS];
     double from[CNS_GROWTH_ORIGINS]; /* the goal's places and the growth to where it needs most */
 } needs;
+
+static double places_of_row(const needs *need, const cns_sample *s)
+{
+    const cns_problem *p = need->p;
+    const cns_goal *goal = need->goal;
+    double most = (double)cns_goal_count(goal);
+    for (int i = 0; i < cns_columns(p); i++) {
+        const cns_column c = cns_column_at(p, i);
+        if (c.kind == CNS_COLUMN_STATE ? !need->constant[c.index]
+                                       : c.kind == CNS_COLUMN_OUTPUT && !need->zero_output[c.index])
+            most = fmax(most,
+                        places_of(goal, c.kind == CNS_COLUMN_STATE ? s->state[c.index] : s->output[c.index]));
+    }
+    return most;
+}
 
 /* Of a row or an event: places, and what noise has grown to there, by the last cns_growth_at(). */
 static void add_needs(needs *need, double places, double noise_log2)
@@ -95,7 +99,7 @@ static cns_code add_event_needs(void *context, const cns_meeting *m, double nois
     double places = places_of(need->goal, m->time);
     (void)err;
     for (int i = 0; i < n; i++)
-        if (i != own) /* which is exact, or found again by raising the digits */
+        if (i != own && !need->constant[i]) /* own, which is exact, or found again by raising the digits */
             places = fmax(places, places_of(need->goal, m->state[i]));
     if (m->direction == 0) /* a touch moves by the root of the noise */
         places *= 2;
@@ -160,8 +164,16 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
     spec.flow.tolerance_log2 = DOUBLE_TOLERANCE_LOG2;
     *plan = (cns_run_info){.attempt = 1, .planned = true};
     cns_code code = cns_go_on(cns_monitor_stop(p->monitor), err);
-    if (code)
+    need.constant = cns_xalloc((size_t)cns_system_model(p->system)->n_states + 1, sizeof *need.constant);
+    need.zero_output =
+        cns_xalloc((size_t)cns_system_model(p->system)->n_outputs + 1, sizeof *need.zero_output);
+    if (!code)
+        code = cns_system_constants(p->system, need.constant, need.zero_output, err);
+    if (code) {
+        free(need.constant);
+        free(need.zero_output);
         return code;
+    }
 
     cns_trajectory *t = cns_trajectory_new(&spec, err);
     cns_sample s = {0};
@@ -171,6 +183,8 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         cns_trajectory_free(t);
         cns_sample_clear(&s);
         mpq_clear(time);
+        free(need.constant);
+        free(need.zero_output);
         return t ? cns_out_of_memory(err) : err->code;
     }
 
@@ -199,7 +213,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         if (trusted >= end && g > CNS_DOUBLE_DIGITS - 3)
             trusted = now;
         growth = fmax(growth, g);
-        add_needs(&need, places_of_row(p, goal, &s) + size_of(p, goal, s.state), s.error_log2);
+        add_needs(&need, places_of_row(&need, &s) + size_of(p, goal, s.state), s.error_log2);
     }
     if (code == CNS_STOPPED && cns_trajectory_late(t)) {
         code = cns_fail(err, CNS_UNREACHED, "max_time is used up while planning");
@@ -241,5 +255,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
     cns_trajectory_free(t);
     cns_sample_clear(&s);
     mpq_clear(time);
+    free(need.constant);
+    free(need.zero_output);
     return code;
 }

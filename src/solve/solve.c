@@ -38,7 +38,10 @@ typedef struct walk {
     cns_time_form times;
     mpfr_t error; /* e */
     char **text;
-    cns_bounded *value;                /* scratch, of columns */
+    cns_bounded *value;           /* scratch, of columns */
+    bool *constant, *zero_output; /* what never changes (cns/system.h) */
+    long *own;                    /* per column at a tie: its places, in this row; -1: it has the row's */
+    bool *own_decimals;           /* and whether they are decimals though the goal counts digits */
     cns_found_list found, found_again; /* events not told yet: of the printed run, of the other */
     mpq_t before;                      /* the last row's time */
     long told;                         /* events */
@@ -61,6 +64,10 @@ typedef struct demand {
     bool excused;              /* `last` gets fewer: more digits have not helped */
     double missing;            /* places, at `now`; 0: nothing */
     bool few_rows, few_events; /* some have been told with fewer */
+    bool *tied;                /* columns that have been at a tie once: more digits do not help them */
+    bool few_beside;           /* and not for a tie alone */
+    int tie;                   /* the last that got fewer places for that; -1: none, -2: others did, too */
+    double tie_time;
 } demand;
 
 /* Both runs to w->time; w->error becomes e. */
@@ -75,6 +82,12 @@ static cns_code walk_to(walk *w, cns_error *err)
     if (code)
         return code;
     const double noise = w->c->error_log2;
+    for (int i = 0; i < w->s.n_states; i++)
+        if (w->constant[i] && cns_number_sign(&cns_system_initial(w->p->system)[i]) == 0)
+            mpfr_set_zero(w->s.state[i], 1);
+    for (int i = 0; i < w->s.n_outputs; i++)
+        if (w->zero_output[i])
+            mpfr_set_zero(w->s.output[i], 1);
     mpfr_set_zero(w->error, 1);
     for (int i = 0; i < w->s.n_states; i++)
         cns_proof_error(w->error, w->s.state[i], w->c->state[i], noise);
@@ -89,24 +102,73 @@ static mpfr_srcptr value(const walk *w, int column)
     return c.kind == CNS_COLUMN_STATE ? w->s.state[c.index] : w->s.output[c.index];
 }
 
-/* States at t = 0 are known exactly. Zero in both runs is an invariant line, and exact. */
+/* States at t = 0 are known exactly, and so is what never changes. Zero in both runs is an invariant line,
+ * and exact. */
 static bool is_exact(const walk *w, int column)
 {
     const cns_column c = cns_column_at(w->p, column);
     if (c.kind != CNS_COLUMN_STATE)
-        return false;
-    return mpq_sgn(w->time) == 0 ||
+        return w->coarse && w->zero_output[c.index];
+    return mpq_sgn(w->time) == 0 || (w->coarse && w->constant[c.index]) ||
            (w->coarse && mpfr_zero_p(w->s.state[c.index]) && mpfr_zero_p(w->c->state[c.index]));
 }
 
-/* The places, at most `most`, to which all values of the row are certain; -1: none. */
-static long proven_places(const walk *w, cns_places places, long most)
+/* Does e leave room for a hundred times the places asked for? Then a text is not certain because the value is
+ * next to a tie of rounding, or to zero, which has no significant digits. */
+static bool has_room(const walk *w, int column, cns_places places, long most)
+{
+    const double error = cns_log2_mpfr(w->error) * CNS_LOG10_2, spare = 2;
+    double have = -error;
+    if (places == CNS_PLACES_SIGNIFICANT && mpfr_cmpabs(value(w, column), w->error) > 0) {
+        mpfr_t x;
+        mpfr_init2(x, ERROR_BITS);
+        mpfr_abs(x, value(w, column), MPFR_RNDN);
+        have += cns_log2_mpfr(x) * CNS_LOG10_2;
+        mpfr_clear(x);
+    }
+    return have >= (double)most + spare;
+}
+
+/* The places, at most `most`, to which all values of the row are certain; -1: none. Columns at a tie have
+ * their own; *tie is the first of them, or one that has not been tied before; -1: there is none. */
+static long proven_places(walk *w, demand *d, long most, int *tie)
 {
     int n = 0;
-    for (int i = 0; i < cns_columns(w->p); i++)
-        if (cns_column_at(w->p, i).kind != CNS_COLUMN_TIME && !is_exact(w, i))
-            w->value[n++] = (cns_bounded){value(w, i), w->error};
-    return cns_proof_places(w->value, n, places, most);
+    *tie = -1;
+    for (int i = 0; i < cns_columns(w->p); i++) {
+        w->own[i] = -1;
+        if (cns_column_at(w->p, i).kind == CNS_COLUMN_TIME || is_exact(w, i))
+            continue;
+        w->value[n] = (cns_bounded){value(w, i), w->error};
+        if (d->tied == NULL || cns_text_certain(value(w, i), w->error, d->places, most) ||
+            !has_room(w, i, d->places, most)) {
+            n++;
+            continue;
+        }
+        w->own[i] = cns_proof_places(&w->value[n], 1, d->places, most);
+        w->own_decimals[i] = d->places == CNS_PLACES_DECIMALS || w->own[i] < 0;
+        if (w->own[i] < 0)
+            w->own[i] = cns_proof_places(&w->value[n], 1, CNS_PLACES_DECIMALS, most);
+        n += w->own[i] < 0;
+        if (w->own[i] >= 0 && (*tie < 0 || !d->tied[i]))
+            *tie = i;
+    }
+    return cns_proof_places(w->value, n, d->places, most);
+}
+
+/* A column at a tie gets one more attempt, with more digits, and then the places that it has. */
+static bool is_fresh_tie(const walk *w, demand *d)
+{
+    bool fresh = false;
+    for (int i = 0; i < cns_columns(w->p); i++) {
+        if (w->own[i] < 0)
+            continue;
+        fresh = fresh || !d->tied[i];
+        d->tied[i] = true;
+        d->tie = d->tie == -1 || d->tie == i ? i : -2;
+        d->tie_time = mpq_get_d(w->time);
+    }
+    return fresh;
 }
 
 static void set_text(walk *w, int column, char *text)
@@ -124,7 +186,11 @@ static void write_texts(walk *w, cns_places places, long count)
             set_text(w, i, cns_time_text(&w->times, w->time));
         } else if (count < 0) {
             set_text(w, i, cns_text_digits(value(w, i), w->digits));
-        } else if (c.kind == CNS_COLUMN_STATE && mpq_sgn(w->time) == 0) {
+        } else if (w->own[i] >= 0) {
+            set_text(
+                w, i,
+                cns_text_mpfr(value(w, i), w->own_decimals[i] ? CNS_PLACES_DECIMALS : places, w->own[i]));
+        } else if (c.kind == CNS_COLUMN_STATE && (mpq_sgn(w->time) == 0 || w->constant[c.index])) {
             set_text(w, i, cns_text_number(&cns_system_initial(w->p->system)[c.index], places, count));
         } else {
             set_text(w, i, cns_text_mpfr(value(w, i), places, count));
@@ -159,6 +225,12 @@ static cns_code emit(walk *w, cns_places places, long count, cns_result *result,
     cns_row out = {.text = w->text,
                    .decimals = as_decimals(w, places, count),
                    .growth = w->coarse ? w->c->growth : w->s.growth};
+    for (int i = 0; i < cns_columns(w->p) && w->coarse; i++) {
+        if (w->own[i] < 0)
+            continue;
+        const long own = w->own_decimals[i] ? w->own[i] : as_decimals(w, places, w->own[i]);
+        out.decimals = own < out.decimals ? own : out.decimals;
+    }
     if (w->coarse && (result->rows == 0 || out.decimals < result->decimals))
         result->decimals = out.decimals;
     result->rows++;
@@ -222,6 +294,10 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
     result->events_end = (cns_error){0};
     w->text = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->text);
     w->value = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->value);
+    w->own = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->own);
+    w->own_decimals = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->own_decimals);
+    w->constant = cns_xalloc((size_t)w->found.n_states + 1, sizeof *w->constant);
+    w->zero_output = cns_xalloc((size_t)cns_system_model(p->system)->n_outputs + 1, sizeof *w->zero_output);
     describe(&result->run, runs);
     w->fine = cns_trajectory_new(&spec, err);
     if (!w->fine)
@@ -229,6 +305,9 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
     if (!cns_sample_init(&w->s, cns_system_program(p->system), runs->fine.prec))
         return cns_out_of_memory(err);
     if (runs->proof) {
+        const cns_code code = cns_system_constants(p->system, w->constant, w->zero_output, err);
+        if (code)
+            return code;
         spec.flow = runs->coarse;
         spec.no_growth = false;
         w->coarse = cns_ahead_new(p, &spec, first_row, cns_monitor_threads(p->monitor) > 1, err);
@@ -256,6 +335,10 @@ static void walk_close(walk *w, cns_result *result)
         free(w->text[i]);
     free(w->text);
     free(w->value);
+    free(w->own);
+    free(w->own_decimals);
+    free(w->constant);
+    free(w->zero_output);
 }
 
 /* An item has fewer places than asked for, by so many. Does the walk end there? */
@@ -287,7 +370,8 @@ static bool prove_event(walk *w, demand *d, long *places, cns_result *result)
     double error_log10 = HUGE_VAL;
     *places = -1;
     if (partner >= 0)
-        *places = cns_event_places(w->p, f, &w->found_again.at[partner], d->places, d->count, &error_log10);
+        *places = cns_event_places(w->p, f, &w->found_again.at[partner], w->constant, d->places, d->count,
+                                   &error_log10);
     else if (!mpq_equal(w->time, w->p->end->ratio) && mpfr_cmp_q(f->m.time, w->before) > 0)
         return false; /* the coarser run may meet it just behind the row */
     /* A touch moves by the root of the noise: it takes two digits for each. */
@@ -312,7 +396,8 @@ static cns_code tell_events(walk *w, demand *d, cns_result *result, cns_error *e
     while (!code && w->found.first < w->found.n && !result->events_end.code) {
         if (w->coarse && !prove_event(w, d, &places, result))
             break;
-        code = cns_event_tell(w->p, &w->found.at[w->found.first].m, d->places, places, w->digits, err);
+        code = cns_event_tell(w->p, &w->found.at[w->found.first].m, w->constant, d->places, places, w->digits,
+                              err);
         cns_found_drop(&w->found, w->found.first);
         w->told++;
     }
@@ -338,7 +423,11 @@ static cns_code go(walk *w, demand *d, cns_result *result, cns_error *err)
         if (code || d->missing > 0)
             return code;
         if (w->coarse) {
-            places = proven_places(w, d->places, d->count);
+            int tie;
+            places = proven_places(w, d, d->count, &tie);
+            const bool fresh = tie >= 0 && is_fresh_tie(w, d);
+            if (fresh && falls_short(d, (item){d->row, -1}, 1))
+                return CNS_OK;
             const double missing = missing_places(d, places, cns_log2_mpfr(w->error) * CNS_LOG10_2);
             if (places < d->count && falls_short(d, (item){d->row, -1}, missing))
                 return CNS_OK;
@@ -346,7 +435,8 @@ static cns_code go(walk *w, demand *d, cns_result *result, cns_error *err)
                 return cns_fail(err, CNS_UNREACHED,
                                 "no decimal can be proven from t = %.12g on with %ld digits",
                                 mpq_get_d(w->time), result->run.digits);
-            d->few_rows = d->few_rows || places < d->count;
+            d->few_rows = d->few_rows || places < d->count || tie >= 0;
+            d->few_beside = d->few_beside || places < d->count;
         }
         code = emit(w, d->places, places, result, err);
         d->row++;
@@ -375,17 +465,29 @@ static cns_code attempt(const cns_problem *p, const cns_schedule *schedule, dema
 }
 
 /* What is said of a walk that came to its end. */
-static cns_code conclude(const demand *d, const cns_result *result, cns_error *err)
+static cns_code conclude(const cns_problem *p, const demand *d, const cns_result *result, cns_error *err)
 {
+    const cns_model *m = cns_system_model(p->system);
     if (result->events_end.code)
         return cns_fail(err, result->events_end.code, "%s", result->events_end.text);
     if (result->reached)
         return CNS_OK;
-    return cns_fail(err, CNS_UNREACHED, "some %s have fewer than the %ld %s asked for",
+    char why[160] = "";
+    if (d->few_rows && !d->few_beside && d->tie >= 0) {
+        const cns_column c = cns_column_at(p, d->tie);
+        snprintf(why, sizeof why,
+                 ": %s is zero, or next to a tie of rounding (at t = %.12g); the other columns have them",
+                 c.kind == CNS_COLUMN_STATE ? m->states[c.index].name : m->outputs[c.index].name,
+                 d->tie_time);
+    } else if (d->few_rows && !d->few_beside) {
+        snprintf(why, sizeof why, ": several columns are zero, or next to a tie of rounding (at t = %.12g)",
+                 d->tie_time);
+    }
+    return cns_fail(err, CNS_UNREACHED, "some %s have fewer than the %ld %s asked for%s",
                     !d->few_events ? "rows"
                     : d->few_rows  ? "rows and events"
                                    : "events",
-                    d->count, d->places == CNS_PLACES_DECIMALS ? "decimals" : "significant digits");
+                    d->count, d->places == CNS_PLACES_DECIMALS ? "decimals" : "significant digits", why);
 }
 
 cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *result, cns_error *err)
@@ -396,7 +498,10 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
     bool doubted = false;
     long digits[CNS_PLAN_PARTS];
     cns_schedule schedule = {.digits = digits};
-    demand d = {.places = cns_goal_places(goal), .count = cns_goal_count(goal)};
+    demand d = {.places = cns_goal_places(goal),
+                .count = cns_goal_count(goal),
+                .tied = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *d.tied),
+                .tie = -1};
     *result = (cns_result){.decimals = -1};
     cns_code code = cns_plan(p, goal, &result->run, &schedule, err);
     while (!code) {
@@ -425,9 +530,10 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
         result->run.digits += (long)ceil(1.2 * d.missing) + 6 + result->run.digits / 30;
     }
     result->complete = !code;
+    free(d.tied);
     result->reached = result->complete && !d.few_rows && !d.few_events;
     result->wall_s = cns_seconds() - since;
-    return code ? code : conclude(&d, result, err);
+    return code ? code : conclude(p, &d, result, err);
 }
 
 cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool prove, cns_result *result,
@@ -449,5 +555,5 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
     cns_proof_runs_clear(&runs);
     result->complete = result->reached = !code;
     result->wall_s = cns_seconds() - since;
-    return code ? code : conclude(&d, result, err);
+    return code ? code : conclude(p, &d, result, err);
 }

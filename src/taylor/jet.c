@@ -198,6 +198,37 @@ static void find_vanishing(cns_jet *J)
     }
 }
 
+/* The nodes that vanish while the states of J->state_vanishes do; the derivative of a constant does. */
+static void spread_vanishing(cns_jet *J, const bool *constant)
+{
+    const cns_program *p = J->p;
+    for (int v = 0; v < p->n_nodes; v++) {
+        J->vanishes[v] = p->node[v].constant ? J->constant_zero[v] : cns_operation_of(J, v)->vanishes(J, v);
+        for (int i = 0; i < p->n_states; i++)
+            J->vanishes[v] = J->vanishes[v] || (constant[i] && p->derivative[i] == v);
+    }
+}
+
+void cns_jet_constants(cns_jet *J, bool *constant, bool *zero_output)
+{
+    const cns_program *p = J->p;
+    for (int i = 0; i < p->n_states; i++)
+        J->state_vanishes[i] = cns_is_zero(J, J->state_series[i], 0);
+    for (bool changed = true; changed;) {
+        changed = false;
+        spread_vanishing(J, constant);
+        for (int i = 0; i < p->n_states; i++)
+            if (J->state_vanishes[i] && !constant[i] && !J->vanishes[p->derivative[i]]) {
+                J->state_vanishes[i] = false;
+                changed = true;
+            }
+    }
+    for (int i = 0; i < p->n_states; i++)
+        constant[i] = constant[i] || J->vanishes[p->derivative[i]];
+    for (int i = 0; i < p->n_outputs; i++)
+        zero_output[i] = J->vanishes[p->output[i]];
+}
+
 void cns_jet_next_state(cns_jet *J, int i, int k)
 {
     int factor = J->p->factor[i];

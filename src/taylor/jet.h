@@ -53,6 +53,11 @@ void cns_jet_set_zero(cns_jet *J, int w);
  * four fewer (cns_jet_order tells).
  * CNS_NUMERIC: a quotient, root, logarithm or power is singular at t0 (err says which). */
 cns_code cns_jet_expand(cns_jet *J, int order, cns_error *err);
+/* Of the solution through the states that are set: constant[i], which on entry says what is known already of
+ * state i, is whether it keeps its value for ever, zero_output[i] whether a derived quantity is zero for
+ * ever. Both are proofs: the derivative, or the quantity, is made of what vanishes identically. */
+void cns_jet_constants(cns_jet *J, bool *constant, bool *zero_output);
+
 int cns_jet_order(const cns_jet *J);
 
 /* The coefficients. y gets the arithmetic's value rounded to y's precision. */
