@@ -331,21 +331,26 @@ START_TEST(places_of_an_event)
     const bool constant[N] = {false};
     const double largest = log2(200.3), slow = log2(1 + 1 / 0.25);
     double error;
-    long places = cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 60, &error);
+    mpfr_t time_error;
+    mpfr_init2(time_error, 64);
+    long places = cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 60, &error, time_error);
     ck_assert_double_eq_tol(error, (4 - 100 + largest + slow) * log10(2), 1e-9);
     ck_assert(places == (long)floor(-error) || places == (long)floor(-error) - 1); /* one may straddle */
-    ck_assert_int_eq(cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 9, &error), 9);
+    ck_assert_int_eq(
+        cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 9, &error, time_error), 9);
 
     fine.m.direction = coarse.m.direction = 0; /* a touch moves by the root of that */
-    cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 60, &error);
+    cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 60, &error, time_error);
     ck_assert_double_eq_tol(error, (4 + (largest - 100) / 2) * log10(2), 1e-9);
 
     coarse.m.direction = -1;
-    ck_assert_int_eq(cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 60, &error), -1);
+    ck_assert_int_eq(
+        cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 60, &error, time_error), -1);
     coarse.m.direction = 0;
     coarse.m.k = 1;
-    ck_assert_int_eq(cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 60, &error), -1);
-    mpfr_clear(fine.m.time);
+    ck_assert_int_eq(
+        cns_event_places(&p, &fine, &coarse, constant, CNS_PLACES_DECIMALS, 60, &error, time_error), -1);
+    mpfr_clears(fine.m.time, time_error, (mpfr_ptr)0);
     cns_vector_free(fine.m.state);
     cns_event_condition_clear(&condition);
     cns_system_free(system);

@@ -85,7 +85,8 @@ int cns_event_partner(const cns_found_list *fine, const cns_found_list *coarse)
 }
 
 long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_found *coarse,
-                      const bool *constant, cns_places places, long most, double *error_log10)
+                      const bool *constant, cns_places places, long most, double *error_log10,
+                      mpfr_t time_error)
 {
     const cns_meeting *a = &fine->m, *b = &coarse->m;
     const cns_event_condition *c = &p->conditions[a->condition];
@@ -94,11 +95,11 @@ long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_fou
     const int exact = c->kind == CNS_CONDITION_EXTREMUM || a->direction == 0 ? -1 : c->state;
     const double loss = coarse->noise_log2 + cns_event_loss_log2(p, a),
                  noise = a->direction == 0 ? loss / 2 : loss;
-    mpfr_t time_error, error;
+    mpfr_t error;
     *error_log10 = HUGE_VAL;
     if (a->k != b->k || a->direction != b->direction)
         return -1;
-    mpfr_inits2(64, time_error, error, (mpfr_ptr)0);
+    mpfr_init2(error, 64);
     mpfr_set_zero(time_error, 1);
     cns_proof_error(time_error, a->time, b->time, noise);
     mpfr_set(error, time_error, MPFR_RNDU); /* what moves in time moves the states, too */
@@ -113,7 +114,7 @@ long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_fou
     const long found = cns_proof_places(value, count, places, most);
     *error_log10 = cns_log2_mpfr(error) * CNS_LOG10_2;
     free(value);
-    mpfr_clears(time_error, error, (mpfr_ptr)0);
+    mpfr_clear(error);
     return found;
 }
 

@@ -33,9 +33,10 @@ int cns_event_partner(const cns_found_list *fine, const cns_found_list *coarse);
 
 /* The number of places, at most `most`, to which time and states of an event are certain; -1: none are, or
  * the runs disagree on what happens. *error_log10: log10 of the bound of its error; HUGE_VAL: there is none.
- */
+ * Where there is one, time_error is the bound of the time alone. */
 long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_found *coarse,
-                      const bool *constant, cns_places places, long most, double *error_log10);
+                      const bool *constant, cns_places places, long most, double *error_log10,
+                      mpfr_t time_error);
 
 /* Tells the sink of an event, to `count` places or, without a proof (count < 0), with so many digits. */
 cns_code cns_event_tell(const cns_problem *p, const cns_meeting *m, const bool *constant, cns_places places,

@@ -15,6 +15,7 @@
 #include "integrate/rows.h"
 #include "num/decimal_text.h"
 #include "num/logs.h"
+#include "num/vector.h"
 #include "problem.h"
 #include "proof.h"
 #include "rows_ahead.h"
@@ -43,6 +44,7 @@ typedef struct walk {
     long *own;                    /* per column at a tie: its places, in this row; -1: it has the row's */
     bool *own_decimals;           /* and whether they are decimals though the goal counts digits */
     cns_found_list found, found_again; /* events not told yet: of the printed run, of the other */
+    mpfr_t *told_until;                /* per condition: the end of what the time of its last event may be */
     mpq_t before;                      /* the last row's time */
     long told;                         /* events */
 } walk;
@@ -296,6 +298,7 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
     w->value = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->value);
     w->own = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->own);
     w->own_decimals = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->own_decimals);
+    w->told_until = cns_vector_xnew(p->n_conditions, ERROR_BITS); /* the start: nothing at t = 0 counts */
     w->constant = cns_xalloc((size_t)w->found.n_states + 1, sizeof *w->constant);
     w->zero_output = cns_xalloc((size_t)cns_system_model(p->system)->n_outputs + 1, sizeof *w->zero_output);
     describe(&result->run, runs);
@@ -335,6 +338,7 @@ static void walk_close(walk *w, cns_result *result)
         free(w->text[i]);
     free(w->text);
     free(w->value);
+    cns_vector_free(w->told_until);
     free(w->own);
     free(w->own_decimals);
     free(w->constant);
@@ -361,17 +365,37 @@ static double missing_places(const demand *d, long found, double error_log10)
     return (double)d->count - have;
 }
 
-/* The first of the events that are not told yet, if it is proven; false: it waits, falls short, or ends them.
- */
-static bool prove_event(walk *w, demand *d, long *places, cns_result *result)
+/* The places of the event f, by what the coarser run says of it (cns_event_places). An event that may lie at
+ * the start, where nothing counts, or may be the one told before it, may be none: -1. until: the latest time
+ * that its own error allows. */
+static long event_places(const walk *w, const demand *d, const cns_found *f, const cns_found *again,
+                         double *error_log10, mpfr_t until)
+{
+    mpfr_t error, since;
+    mpfr_inits2(ERROR_BITS, error, since, (mpfr_ptr)0);
+    long places = cns_event_places(w->p, f, again, w->constant, d->places, d->count, error_log10, error);
+    if (places >= 0) {
+        mpfr_sub(since, f->m.time, error, MPFR_RNDD);
+        mpfr_add(until, f->m.time, error, MPFR_RNDU);
+        if (mpfr_lessequal_p(since, w->told_until[f->m.condition])) {
+            places = -1;
+            *error_log10 = HUGE_VAL;
+        }
+    }
+    mpfr_clears(error, since, (mpfr_ptr)0);
+    return places;
+}
+
+/* The first of the events that are not told yet, if it is proven, with *until as above; false: it waits,
+ * falls short, or ends them. */
+static bool prove_event(walk *w, demand *d, long *places, mpfr_t until, cns_result *result)
 {
     const cns_found *f = &w->found.at[w->found.first];
     const int partner = cns_event_partner(&w->found, &w->found_again);
     double error_log10 = HUGE_VAL;
     *places = -1;
     if (partner >= 0)
-        *places = cns_event_places(w->p, f, &w->found_again.at[partner], w->constant, d->places, d->count,
-                                   &error_log10);
+        *places = event_places(w, d, f, &w->found_again.at[partner], &error_log10, until);
     else if (!mpq_equal(w->time, w->p->end->ratio) && mpfr_cmp_q(f->m.time, w->before) > 0)
         return false; /* the coarser run may meet it just behind the row */
     /* A touch moves by the root of the noise: it takes two digits for each. */
@@ -393,14 +417,20 @@ static cns_code tell_events(walk *w, demand *d, cns_result *result, cns_error *e
 {
     cns_code code = CNS_OK;
     long places = -1;
+    mpfr_t until;
+    mpfr_init2(until, ERROR_BITS);
     while (!code && w->found.first < w->found.n && !result->events_end.code) {
-        if (w->coarse && !prove_event(w, d, &places, result))
-            break;
+        if (w->coarse) {
+            if (!prove_event(w, d, &places, until, result))
+                break;
+            mpfr_set(w->told_until[w->found.at[w->found.first].m.condition], until, MPFR_RNDU);
+        }
         code = cns_event_tell(w->p, &w->found.at[w->found.first].m, w->constant, d->places, places, w->digits,
                               err);
         cns_found_drop(&w->found, w->found.first);
         w->told++;
     }
+    mpfr_clear(until);
     if (result->events_end.code) {
         cns_found_clear(&w->found);
         cns_found_clear(&w->found_again);

@@ -167,3 +167,13 @@ $ for f in t e s l; do grep '^# case' $f.csv; grep -c -x 1,2 $f.csv || true; don
 $ cns run -q "$CASES"/flutter.yaml --set "time.end=$(printf '\302\205')" --set time.end=1 | grep '^# override'
 > # override: time.end=?
 > # override: time.end=1
+
+= an event that its error would let lie at the start, where nothing counts, is not proven
+$ cat > g.yaml; s=0; cns run -q --prove g.yaml --events e.csv --section x=extremum > table || s=$?; grep -c "^x extremum" e.csv || exit $s
+| model: apw
+| initial: {omega: 2.76}
+| time: {end: 3, every: 0.5}
+| numerics: {method: rk4, arithmetic: mpfr, digits: 11, step: 5e-3}
+> 0
+2> re:do not agree on the event at t = 0.0
+? 1
