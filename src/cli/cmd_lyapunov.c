@@ -5,7 +5,6 @@
 
 #include "commands.h"
 #include "core/clock.h"
-#include "core/text.h"
 #include "io/provenance.h"
 #include "report.h"
 
@@ -115,21 +114,18 @@ static void print_figures(FILE *out, const char *time, const cns_lyapunov_result
     }
 }
 
-/* T, as it was given where it is all of that. */
-static void time_text(char *text, size_t size, const cns_context *cx, const cns_lyapunov_result *r)
+/* T: as it was given, or in `text` what is left of it. */
+static const char *time_text(char *text, size_t size, const cns_context *cx, const cns_lyapunov_result *r)
 {
-    if (r->changes > 0 && has_figure(r))
-        snprintf(text, size, "%.9g", r->time);
-    else
-        snprintf(text, size, "%s", cx->c->lyapunov.time.text);
+    snprintf(text, size, "%.9g", r->time);
+    return r->changes > 0 && has_figure(r) ? text : cx->c->lyapunov.time.text;
 }
 
 static void print_table(FILE *out, const cns_context *cx, const void *result)
 {
     const cns_lyapunov_result *r = result;
     const cns_lyapunov_spec *spec = &cx->c->lyapunov;
-    char name[32], time[CNS_QUOTE];
-    time_text(time, sizeof time, cx, r);
+    char name[32], time[32];
     cns_provenance_begin(
         out, cx->c, r->n > 1 ? "Lyapunov exponents: " : "largest Lyapunov exponent: ", CNS_PROVENANCE_CASE);
     fprintf(out, "# arithmetic: ");
@@ -148,7 +144,7 @@ static void print_table(FILE *out, const cns_context *cx, const void *result)
         fprintf(out, "# no figure: %s\n# rates from row to row\n", r->note);
     print_rows(out, r);
     if (has_figure(r))
-        print_figures(out, time, r);
+        print_figures(out, time_text(time, sizeof time, cx, r), r);
     cns_provenance_end(out, NULL);
 }
 
@@ -204,10 +200,9 @@ static void add_spectrum(cns_summary *s, const cns_lyapunov_result *r)
 static void print_yaml(cns_summary *s, const cns_context *cx, const void *result)
 {
     const cns_lyapunov_result *r = result;
-    char time[CNS_QUOTE];
-    time_text(time, sizeof time, cx, r);
+    char time[32];
     add_figure(s, "lambda", "lambda_se", r->exponent[0].lambda, r->exponent[0].se);
-    cns_summary_text(s, "time", time);
+    cns_summary_text(s, "time", time_text(time, sizeof time, cx, r));
     cns_summary_number(s, "discarded", r->discarded, 9);
     if (r->changes > 0)
         add_changes(s, r);
@@ -238,7 +233,7 @@ static int run(cns_context *cx)
     cns_code code = cns_lyapunov(cx->system, &cx->c->lyapunov, &cx->monitor, &r, &err);
     int status = cns_report(cx, code, &err, &view, !code || code == CNS_UNREACHED ? &r : NULL);
     if (!status && cx->o->verbose)
-        fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", r.steps, r.landings,
+        fprintf(stderr, "cns: %ld steps, %ld landings, %.2f s\n", r.steps, r.landings,
                 cns_seconds() - cx->since);
     cns_lyapunov_result_clear(&r);
     return status;
