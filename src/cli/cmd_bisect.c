@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "commands.h"
-#include "core/clock.h"
 #include "report.h"
 
 static const char *parameter_name(const cns_case *c)
@@ -38,20 +37,13 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
 static const cns_view view = {.text = print_text, .yaml = print_yaml};
 
 /* With -v, what is done next goes to a line of its own. */
-typedef struct listener {
-    cns_context *cx;
-    char last[160];
-} listener;
-
 static void on_progress(void *context, double fraction, const char *what)
 {
-    listener *l = context;
-    cns_meter_show(&l->cx->meter, fraction, cns_seconds() - l->cx->since, what);
-    if (l->cx->o->verbose == 0 || strcmp(l->last, what) == 0)
-        return;
-    cns_meter_clear(&l->cx->meter);
-    snprintf(l->last, sizeof l->last, "%s", what);
-    fprintf(stderr, "cns: %s\n", what);
+    cns_context *cx = context;
+    const bool new = strncmp(cx->what, what, sizeof cx->what - 1) != 0;
+    cns_context_tell(cx, fraction, what);
+    if (cx->o->verbose > 0 && new)
+        cns_note(cx, "%s", what);
 }
 
 static int run(cns_context *cx)
@@ -59,13 +51,10 @@ static int run(cns_context *cx)
     const cns_case *c = cx->c;
     cns_bisect_result r = {.decimals = -1};
     cns_error err = {0};
-    if (!c->has_bisect) {
-        fprintf(stderr, "%s:1:1: no 'bisect': `cns bisect` needs that section\n", c->name);
-        return CNS_USAGE;
-    }
-    listener l = {.cx = cx};
+    if (!c->has_bisect)
+        return cns_complain_of_case(c, "no 'bisect': `cns bisect` needs that section");
     cx->monitor.progress = on_progress;
-    cx->monitor.context = &l;
+    cx->in_parts = true;
     cns_code code = cns_bisect(cx->system, &c->bisect, cx->o->output, &cx->monitor, &r, &err);
     int status = cns_report(cx, code, &err, &view, r.lower != NULL ? &r : NULL);
     cns_bisect_clear(&r);

@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "io/provenance.h"
 #include "report.h"
+#include "signals.h"
 
 enum { MAX_DIGITS = 400 };
 
@@ -137,7 +138,7 @@ static void print_sweep(FILE *out, const cns_context *cx, const void *result)
     const found_sweep *found = result;
     const int n = cns_sweep_count(&found->sweep);
     int done = 0;
-    char reason[48];
+    char reason[128];
     cns_provenance_begin(out, cx->c, "modes of ", CNS_PROVENANCE_CASE);
     fprintf(out, "# sweep: %s\n# maxima: of %s\n", cx->o->sweep, found->observable);
     fprintf(out, "%s,%s\n", cx->c->model->parameters[found->sweep.parameter].name, CNS_SWEEP_HEADER);
@@ -146,7 +147,8 @@ static void print_sweep(FILE *out, const cns_context *cx, const void *result)
             fprintf(out, "%s\n", found->rows[i]);
             done++;
         }
-    snprintf(reason, sizeof reason, "%d of %d rows", done, n);
+    snprintf(reason, sizeof reason, "%s%s%d of %d rows", cns_signal_stop ? cns_signal_text() : "",
+             cns_signal_stop ? ", " : "", done, n);
     cns_provenance_end(out, done == n ? NULL : reason);
 }
 
@@ -158,6 +160,7 @@ static int sweep(cns_context *cx, const cns_classify_spec *spec, const char *obs
     if (cns_sweep_parse(&found.sweep, cx->c->model, cx->o->sweep, &err))
         return cns_complain(err.code, "--sweep: %s", err.text);
     const int n = cns_sweep_count(&found.sweep);
+    cx->in_parts = true;
     found.rows = cns_xalloc((size_t)n, sizeof *found.rows);
     cns_code code =
         cns_sweep_run(cx->system, &found.sweep, spec, cx->o->output, &cx->monitor, found.rows, &err);

@@ -180,10 +180,9 @@ static int run(cns_context *cx)
     const cns_case *c = cx->c;
     cns_error err = {0};
     cns_laws_result r;
-    if (!c->has_laws) {
-        fprintf(stderr, "%s:1:1: no 'laws': `cns laws` needs that section\n", c->name);
-        return CNS_USAGE;
-    }
+    if (!c->has_laws)
+        return cns_complain_of_case(c, "no 'laws': `cns laws` needs that section");
+    cx->in_parts = true;
     cns_code code = cns_laws(&cx->problem, &c->laws, cx->o->output, &r, &err);
     int status = cns_report(cx, code, &err, &view, code ? NULL : &r);
     for (int k = 0; k < CNS_LAW_KINDS && !status; k++)
@@ -192,7 +191,7 @@ static int run(cns_context *cx)
                                   "no line for %s: fewer than three points, or no exponential growth",
                                   words[k].key);
     if (cx->o->verbose && !status)
-        fprintf(stderr, "cns: %.2f s\n", cns_seconds() - cx->since);
+        cns_note(cx, "%.2f s", cns_seconds() - cx->since);
     cns_laws_result_clear(&r);
     return status;
 }

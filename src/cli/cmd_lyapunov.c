@@ -233,8 +233,7 @@ static int run(cns_context *cx)
     cns_code code = cns_lyapunov(cx->system, &cx->c->lyapunov, &cx->monitor, &r, &err);
     int status = cns_report(cx, code, &err, &view, !code || code == CNS_UNREACHED ? &r : NULL);
     if (!status && cx->o->verbose)
-        fprintf(stderr, "cns: %ld steps, %ld landings, %.2f s\n", r.steps, r.landings,
-                cns_seconds() - cx->since);
+        cns_note(cx, "%ld steps, %ld landings, %.2f s", r.steps, r.landings, cns_seconds() - cx->since);
     cns_lyapunov_result_clear(&r);
     return status;
 }

@@ -84,7 +84,7 @@ static int plan_to(cns_context *cx)
         return cns_complain(CNS_NUMERIC, "no plan beyond t = %.12g: the preliminary run ends there: %s",
                             made.plan.followed, err.text);
     if (!code && made.plan.digits > made.goal.max_digits)
-        fprintf(stderr, "cns: more digits than max_digits (%ld) allows\n", made.goal.max_digits);
+        cns_note(cx, "more digits than max_digits (%ld) allows", made.goal.max_digits);
     return cns_report(cx, code, &err, &view, code ? NULL : &made);
 }
 

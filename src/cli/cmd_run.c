@@ -1,5 +1,7 @@
 /* cns run: a trajectory as a table. */
 #include <signal.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "cns/solve.h"
 #include "commands.h"
@@ -7,6 +9,7 @@
 #include "event_table.h"
 #include "io/write_table.h"
 #include "report.h"
+#include "signals.h"
 
 typedef struct run_context {
     cns_context *cx;
@@ -14,30 +17,25 @@ typedef struct run_context {
     cns_event_table events; /* without --events empty */
 } run_context;
 
-static void announce(run_context *r, const cns_run_info *run)
+static void announce(cns_context *cx, const cns_run_info *run)
 {
-    const cns_options *o = r->cx->o;
-    cns_meter_clear(&r->cx->meter);
-    if (o->quiet)
-        return;
     if (run->planned)
-        fprintf(stderr,
-                "cns: noise will grow to 10^%.1f (margin %.1f): %ld digits, order %d, proof with %ld digits; "
-                "about "
-                "%.0f steps, %.1f s\n",
-                run->growth, run->margin, run->digits, run->order, run->proof_digits, run->steps,
-                run->seconds);
+        cns_note(
+            cx,
+            "noise will grow to 10^%.1f (margin %.1f): %ld digits, order %d, proof with %ld digits; about "
+            "%.0f steps, %.1f s",
+            run->growth, run->margin, run->digits, run->order, run->proof_digits, run->steps, run->seconds);
     else if (run->attempt > 1)
-        fprintf(stderr, "cns: not enough: again with %ld digits, order %d\n", run->digits, run->order);
-    else if (o->verbose)
-        fprintf(stderr, "cns: %ld digits (%ld bits), order %d\n", run->digits, (long)run->prec, run->order);
+        cns_note(cx, "not enough: again with %ld digits, order %d", run->digits, run->order);
+    else if (cx->o->verbose)
+        cns_note(cx, "%ld digits (%ld bits), order %d", run->digits, (long)run->prec, run->order);
 }
 
 static cns_code on_begin(void *context, const cns_run_info *run, cns_error *err)
 {
     run_context *r = context;
     r->cx->since = cns_seconds(); /* progress is that of this attempt */
-    announce(r, run);
+    announce(r->cx, run);
     if (r->events.n > 0)
         cns_event_table_begin(&r->events);
     return r->table ? cns_table_begin(r->table, run, err) : CNS_OK;
@@ -46,6 +44,7 @@ static cns_code on_begin(void *context, const cns_run_info *run, cns_error *err)
 static cns_code on_row(void *context, const cns_row *row, cns_error *err)
 {
     run_context *r = context;
+    cns_meter_make_way(&r->cx->meter);
     return r->table ? cns_table_row(r->table, row, err) : CNS_OK;
 }
 
@@ -93,29 +92,71 @@ static int open_outputs(run_context *r)
     return status;
 }
 
+/* Where a run ended by itself or was stopped, for the last line of its tables. */
+static const char *reason_of(char *text, size_t size, const cns_result *result, cns_code code,
+                             const cns_error *err)
+{
+    if (!code || result->complete)
+        return NULL;
+    if (code != CNS_STOPPED)
+        return err->text;
+    if (result->rows > 0)
+        snprintf(text, size, "%s at t = %.12g", cns_signal_text(), result->end);
+    else
+        snprintf(text, size, "%s before the first row", cns_signal_text());
+    return text;
+}
+
+/* Says of a run that ended too early what there is of its table. by: the signal that stopped it, and where;
+ * NULL: it ended by itself, and the message is out. kept: the file with the rows; NULL: there is none. */
+static void tell_kept(cns_context *cx, const char *by, const char *kept, bool any_rows)
+{
+    const char *asked = cx->o->output;
+    const bool elsewhere = kept != NULL && strcmp(asked, kept) != 0;
+    char what[1024];
+    if (kept != NULL)
+        snprintf(what, sizeof what, "the rows up to there are in %.300s%s%.300s%s", kept,
+                 elsewhere ? ": " : "", elsewhere ? asked : "",
+                 elsewhere ? " is something else than a stopped table, and stays" : "");
+    else if (asked != NULL)
+        snprintf(what, sizeof what, "nothing is written to %.300s", asked);
+    else
+        snprintf(what, sizeof what,
+                 any_rows && !cx->o->yaml ? "the rows up to there are printed" : "nothing is kept");
+    if (by != NULL)
+        cns_note(cx, "stopped by %s; %s; the same command begins anew", by, what);
+    /* Rows that are not where they will be looked for: that is part of the message. */
+    if (elsewhere && (by == NULL || cx->o->quiet))
+        cns_complain(CNS_OK, "%s", what);
+}
+
 /* Ends the tables of a run that answered `code`, and tells what it was. An exit status. */
 static int close_outputs(run_context *r, const cns_result *result, cns_code code, const cns_error *err)
 {
+    cns_context *cx = r->cx;
     cns_error io = {0};
-    const char *reason = !code || result->complete ? NULL : err->text;
-    const bool gone = r->table && cns_table_reader_gone(r->table);
-    /* Without memory for the first row, an older table is worth more. */
-    const bool abandoned = gone || code == CNS_IO || (code == CNS_MEMORY && result->rows == 0);
-    if (gone)
-        cns_meter_clear(&r->cx->meter);
-    int status = gone ? CNS_STOPPED + SIGPIPE : cns_context_status(r->cx, code, err);
-    if (r->table && abandoned) {
+    char text[128], *kept = NULL;
+    const char *reason = reason_of(text, sizeof text, result, code, err);
+    const bool gone = r->table && cns_table_reader_gone(r->table), abandoned = gone || code == CNS_IO,
+               stopped = code == CNS_STOPPED && !gone;
+    cns_meter_clear(&cx->meter);
+    int status = gone      ? CNS_STOPPED + SIGPIPE
+                 : stopped ? CNS_STOPPED + (int)cns_signal_stop
+                 : code    ? cns_complain(code, "%s", err->text)
+                           : 0;
+    code = CNS_OK;
+    if (r->table && abandoned)
         cns_table_abandon(r->table);
-    } else if (r->table) {
-        code = cns_table_close(r->table, reason, &io);
-        if (code == CNS_STOPPED)
-            status = CNS_STOPPED + SIGPIPE;
-        else if (code)
-            status = cns_complain(code, "%s", io.text);
-    }
+    else if (r->table)
+        code = cns_table_close(r->table, reason, &kept, &io);
+    if (code)
+        status = code == CNS_STOPPED ? CNS_STOPPED + SIGPIPE : cns_complain(code, "%s", io.text);
+    else if (reason != NULL && !abandoned)
+        tell_kept(cx, stopped ? text : NULL, kept, result->rows > 0);
+    free(kept);
     if (r->events.n > 0 && !abandoned) {
-        int written =
-            cns_event_table_write(&r->events, result->events_end.code ? result->events_end.text : reason);
+        int written = cns_event_table_write(&r->events, result->complete,
+                                            result->events_end.code ? result->events_end.text : reason);
         status = written ? written : status;
     }
     return status;
@@ -140,7 +181,7 @@ static int compute(run_context *r)
         status = shown ? shown : status;
     }
     if (o->verbose && !status)
-        fprintf(stderr, "cns: %ld steps, %ld events, %.2f s\n", result.steps, result.landings, result.wall_s);
+        cns_note(cx, "%ld steps, %ld landings, %.2f s", result.steps, result.landings, result.wall_s);
     return status;
 }
 
@@ -148,10 +189,8 @@ static int run(cns_context *cx)
 {
     const cns_case *c = cx->c;
     run_context r = {.cx = cx};
-    if (!c->has_goal && !c->has_numerics) {
-        fprintf(stderr, "%s:1:1: neither 'goal' nor 'numerics': `cns run` needs one of them\n", c->name);
-        return CNS_USAGE;
-    }
+    if (!c->has_goal && !c->has_numerics)
+        return cns_complain_of_case(c, "neither 'goal' nor 'numerics': `cns run` needs one of them");
     int status = open_outputs(&r);
     if (!status)
         status = compute(&r);

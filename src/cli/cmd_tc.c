@@ -114,11 +114,10 @@ static int run(cns_context *cx)
     cns_case *c = cx->c;
     cns_tc_result r;
     cns_error err = {0};
-    if (!c->has_numerics) {
-        fprintf(stderr, "%s:1:1: %s: `cns tc` needs 'numerics', such as {digits: 16}\n", c->name,
-                c->has_goal ? "a 'goal' finds its own digits and is proven" : "no 'numerics'");
-        return CNS_USAGE;
-    }
+    if (!c->has_numerics)
+        return cns_complain_of_case(c, "%s: `cns tc` needs 'numerics', such as {digits: 16}",
+                                    c->has_goal ? "a 'goal' finds its own digits and is proven"
+                                                : "no 'numerics'");
     if (cx->o->delta != NULL)
         cns_number_parse(&c->laws.delta, cx->o->delta, &err);
     const cns_tc_spec spec = {.numerics = &c->numerics,
@@ -130,8 +129,8 @@ static int run(cns_context *cx)
     cns_code code = cns_tc_measure(&cx->problem, &spec, &r, &err);
     int status = cns_report(cx, code, &err, &view, !code || code == CNS_UNREACHED ? &r : NULL);
     if (cx->o->verbose && !status)
-        fprintf(stderr, "cns: %ld steps, reference %ld steps, up to t = %.12g, %.2f s\n", r.steps,
-                r.reference_steps, r.compared, cns_seconds() - cx->since);
+        cns_note(cx, "%ld steps, reference %ld steps, up to t = %.12g, %.2f s", r.steps, r.reference_steps,
+                 r.compared, cns_seconds() - cx->since);
     cns_tc_result_clear(&r);
     return status;
 }

@@ -1,6 +1,5 @@
 #include "context.h"
 
-#include <signal.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -9,35 +8,22 @@
 #include "core/text.h"
 #include "outputs.h"
 #include "report.h"
+#include "signals.h"
 
-static volatile sig_atomic_t stop_signal; /* the one thing a signal handler can reach */
-
-static void on_signal(int number)
-{
-    stop_signal = number;
-}
-
-static void catch_signals(void)
-{
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    sigaction(SIGHUP, &action, NULL);
-}
-
-static void on_progress(void *context, double fraction, const char *what)
+void cns_context_tell(void *context, double fraction, const char *what)
 {
     cns_context *cx = context;
     cns_meter_show(&cx->meter, fraction, cns_seconds() - cx->since, what);
+    cx->fraction = fraction;
+    snprintf(cx->what, sizeof cx->what, "%s", what);
 }
 
 void cns_context_watch(cns_context *cx)
 {
-    cx->monitor.stop = &stop_signal;
-    cx->monitor.progress = on_progress;
+    cx->monitor.stop = &cns_signal_stop;
+    cx->monitor.progress = cns_context_tell;
     cx->monitor.context = cx;
-    catch_signals();
+    cns_signals_catch();
     cns_meter_init(&cx->meter, cx->o->quiet);
 }
 
@@ -47,7 +33,7 @@ static int open_case(cns_context *cx)
     char *faults = NULL;
     cns_code code = cns_case_load(o->operands.at[0], o->sets.at, o->sets.n, &cx->c, &faults);
     if (faults != NULL && code == CNS_USAGE)
-        fprintf(stderr, "%s\n", faults); /* the lines begin with the place, as compilers have it */
+        cns_say(faults); /* the lines begin with the place, as compilers have it */
     else if (faults != NULL)
         cns_complain(code, "%s", faults);
     free(faults);
@@ -93,10 +79,28 @@ void cns_context_close(cns_context *cx)
     cns_case_free(cx->c);
 }
 
+/* Where a study was stopped, what there is of it, and how to go on. */
+static void tell_stop(cns_context *cx)
+{
+    char where[sizeof cx->what + 32] = "";
+    const char *printed = cx->shown ? "; what was found so far is printed" : "";
+    if (cx->what[0] != '\0')
+        snprintf(where, sizeof where, " at %.0f %% (%s)", 100 * cx->fraction, cx->what);
+    if (cx->in_parts && cx->o->output != NULL)
+        cns_note(cx,
+                 "stopped by %s%s%s; what is finished is kept in %.300s: the same command goes on from there",
+                 cns_signal_text(), where, printed, cx->o->output);
+    else
+        cns_note(cx, "stopped by %s%s%s; nothing is kept: the same command begins anew%s", cns_signal_text(),
+                 where, printed, cx->in_parts ? ", with -o DIR it would go on" : "");
+}
+
 int cns_context_status(cns_context *cx, cns_code code, const cns_error *err)
 {
     cns_meter_clear(&cx->meter);
-    if (code == CNS_STOPPED)
-        return CNS_STOPPED + (int)stop_signal;
+    if (code == CNS_STOPPED) {
+        tell_stop(cx);
+        return CNS_STOPPED + (int)cns_signal_stop;
+    }
     return code ? cns_complain(code, "%s", err->text) : 0;
 }

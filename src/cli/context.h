@@ -15,7 +15,11 @@ typedef struct cns_context {
     cns_problem problem; /* of the case; without a sink */
     cns_monitor monitor; /* its progress goes to the meter */
     cns_meter meter;
-    double since; /* cns_seconds() at the beginning */
+    double since;    /* cns_seconds() at the beginning */
+    double fraction; /* of the work, and in words what was being done, when progress was last told */
+    char what[128];
+    bool shown;    /* a result, or what there is of one */
+    bool in_parts; /* the study is made of parts that -o DIR keeps; a command says so */
 } cns_context;
 
 /* How much to open; each includes those before it. */
@@ -29,11 +33,14 @@ typedef enum cns_opens {
 int cns_context_open(cns_context *cx, const cns_options *o, cns_opens opens);
 void cns_context_close(cns_context *cx);
 
-/* Catches SIGINT, SIGTERM and SIGHUP: the first raises the monitor's stop, the second ends the program.
- * Progress goes to the meter from here on. */
+/* The monitor's progress: to the meter, and remembered. context: a cns_context. */
+void cns_context_tell(void *context, double fraction, const char *what);
+
+/* Signals (signals.h) raise the monitor's stop, and progress goes to the meter, from here on. */
 void cns_context_watch(cns_context *cx);
 
-/* The exit status of `code`: its message, unless a signal is the cause, goes to standard error. */
+/* The exit status of `code`. Its message goes to standard error; where a signal is the cause, a note says
+ * where the study was and what is kept of it. */
 int cns_context_status(cns_context *cx, cns_code code, const cns_error *err);
 
 #endif

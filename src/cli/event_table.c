@@ -63,6 +63,8 @@ int cns_event_table_open(cns_event_table *t, const cns_context *cx)
     if (!code && t->n == 0)
         code = cns_fail(&err, CNS_USAGE, "model %s has no events of its own: name one with --section",
                         model->name);
+    if (!code)
+        code = cns_file_create(&t->file, cx->o->events, &err);
     return code ? cns_complain(code, "%s", err.text) : 0;
 }
 
@@ -71,11 +73,14 @@ static void forget_lines(cns_event_table *t)
     if (t->lines.file != NULL)
         free(cns_text_close(&t->lines, NULL));
     t->lines.file = NULL;
+    t->told = 0;
 }
 
 void cns_event_table_close(cns_event_table *t)
 {
     forget_lines(t);
+    if (t->file.path != NULL)
+        cns_file_close(&t->file, false, NULL);
     for (int i = 0; i < t->room; i++)
         cns_event_condition_clear(&t->condition[i]);
     free(t->condition);
@@ -90,6 +95,7 @@ void cns_event_table_begin(cns_event_table *t)
 void cns_event_table_add(cns_event_table *t, const cns_event *e)
 {
     FILE *out = t->lines.file;
+    t->told++;
     const cns_model *model = t->cx->c->model;
     const cns_event_condition *s = &t->condition[e->condition];
     const char *name = model->states[s->state].name;
@@ -110,18 +116,16 @@ void cns_event_table_add(cns_event_table *t, const cns_event *e)
         fprintf(out, ",\n");
 }
 
-int cns_event_table_write(cns_event_table *t, const char *reason)
+int cns_event_table_write(cns_event_table *t, bool whole_run, const char *reason)
 {
     const cns_options *o = t->cx->o;
     const cns_case *c = t->cx->c;
+    FILE *out = t->file.stream;
     cns_error err;
-    cns_text_stream page;
     char *lines = t->lines.file != NULL ? cns_text_close(&t->lines, &err) : cns_xcopy("");
     t->lines.file = NULL;
     if (lines == NULL)
         return cns_complain(err.code, "%s", err.text);
-    cns_text_open(&page);
-    FILE *out = page.file;
     cns_provenance_begin(out, c, "events of ", CNS_PROVENANCE_EQUATIONS);
     fprintf(out, c->has_goal || o->prove
                      ? "# proof: two runs of different precision and order; convergence under refinement and "
@@ -133,6 +137,14 @@ int cns_event_table_write(cns_event_table *t, const char *reason)
     fprintf(out, ",decimals\n");
     fputs(lines, out);
     free(lines);
-    cns_provenance_end(out, reason);
-    return cns_page_write(&page, o->events);
+    char *kept;
+    if (cns_provenance_close(&t->file, t->told > 0 || whole_run, reason, &kept, &err))
+        return cns_complain(err.code, "%s", err.text);
+    if (kept != NULL && strcmp(kept, o->events) != 0)
+        cns_complain(
+            CNS_OK,
+            "the events up to there are in %.300s: %.300s is something else than a stopped table, and stays",
+            kept, o->events);
+    free(kept);
+    return 0;
 }

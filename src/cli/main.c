@@ -1,4 +1,3 @@
-#include <signal.h>
 #include <stdlib.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -11,6 +10,7 @@
 #include "commands.h"
 #include "core/files.h"
 #include "report.h"
+#include "signals.h"
 
 /* The libraries that run, not those that were compiled against. */
 static void print_version(FILE *out, const cns_context *cx, const void *result)
@@ -75,9 +75,7 @@ int main(int argc, char **argv)
 {
     grow_stack();
     cns_memory_guard(exhausted);
-    /* A reader that goes away (`| head`) shows as a failed write, after which files can be put in order;
-     * the exit status is the one that the signal would have given. */
-    signal(SIGPIPE, SIG_IGN);
+    cns_signals_as_failures();
 
     cns_options o;
     cns_error err;

@@ -1,10 +1,10 @@
 #include "progress.h"
 
 #include <stdio.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "core/clock.h"
+#include "terminal.h"
 
 static const double terminal_pause = 0.2, line_pause = 30; /* seconds */
 
@@ -12,16 +12,9 @@ void cns_meter_init(cns_meter *m, bool quiet)
 {
     m->quiet = quiet;
     m->terminal = isatty(STDERR_FILENO) == 1;
+    m->shared = m->terminal && isatty(STDOUT_FILENO) == 1;
     m->shown = false;
     m->next = cns_seconds() + (m->terminal ? terminal_pause : line_pause);
-}
-
-static int columns(void)
-{
-    struct winsize size;
-    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0)
-        return size.ws_col;
-    return 80;
 }
 
 static void duration(char *text, size_t size, double seconds)
@@ -45,7 +38,7 @@ void cns_meter_show(cns_meter *m, double fraction, double seconds, const char *w
     int length =
         snprintf(line, sizeof line, "%5.1f %%  %s left  %s", 100 * fraction, fraction > 0 ? eta : "?", what);
     if (m->terminal) {
-        int width = columns() - 1;
+        int width = cns_terminal_columns(STDERR_FILENO) - 1;
         if (length > width && width > 0 && width < (int)sizeof line)
             line[width] = '\0';
         fprintf(stderr, "\r%s\033[K", line);
@@ -62,4 +55,10 @@ void cns_meter_clear(cns_meter *m)
         fputs("\r\033[K", stderr);
     m->shown = false;
     fflush(stderr);
+}
+
+void cns_meter_make_way(cns_meter *m)
+{
+    if (m->shared)
+        cns_meter_clear(m);
 }

@@ -8,6 +8,7 @@
 typedef struct cns_meter {
     bool quiet;    /* show nothing */
     bool terminal; /* standard error is one */
+    bool shared;   /* and standard output, too */
     bool shown;    /* there is a line on the terminal */
     double next;   /* when to speak again, in cns_seconds() */
 } cns_meter;
@@ -18,5 +19,7 @@ void cns_meter_init(cns_meter *m, bool quiet);
 void cns_meter_show(cns_meter *m, double fraction, double seconds, const char *what);
 /* Takes the line away, before anything else is written to standard error. */
 void cns_meter_clear(cns_meter *m);
+/* The same before something is written to standard output, if that is a terminal, too. */
+void cns_meter_make_way(cns_meter *m);
 
 #endif

@@ -5,18 +5,61 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-#include "core/files.h"
+#include "core/text.h"
+#include "terminal.h"
+
+enum { MESSAGE = 4096, HANG = 5 /* of folded messages: under the text behind "cns: " */ };
+
+void cns_say(const char *text)
+{
+    const int width = cns_terminal_width(STDERR_FILENO);
+    if (width > 0)
+        cns_text_fold(stderr, text, width, HANG);
+    else /* in one piece: others may write into the same log */
+        fprintf(stderr, "%s\n", text);
+}
+
+static void say(const char *lead, const char *format, va_list args)
+{
+    char text[MESSAGE];
+    snprintf(text, sizeof text, "%s", lead);
+    const size_t used = strlen(text);
+    vsnprintf(text + used, sizeof text - used, format, args);
+    cns_text_make_printable(text); /* what users have written may hold anything */
+    cns_say(text);
+}
 
 int cns_complain(cns_code code, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    fputs("cns: ", stderr);
-    vfprintf(stderr, format, args);
-    fputc('\n', stderr);
+    say("cns: ", format, args);
     va_end(args);
     return (int)code;
+}
+
+int cns_complain_of_case(const cns_case *c, const char *format, ...)
+{
+    char lead[1024];
+    va_list args;
+    snprintf(lead, sizeof lead, "%.1000s:1:1: ", c->name);
+    va_start(args, format);
+    say(lead, format, args);
+    va_end(args);
+    return CNS_USAGE;
+}
+
+void cns_note(cns_context *cx, const char *format, ...)
+{
+    va_list args;
+    cns_meter_clear(&cx->meter);
+    if (cx->o->quiet)
+        return;
+    va_start(args, format);
+    say("cns: ", format, args);
+    va_end(args);
 }
 
 static int write_out(const char *text)
@@ -79,6 +122,7 @@ int cns_report(cns_context *cx, cns_code code, const cns_error *err, const cns_v
 {
     cns_meter_clear(&cx->meter);
     int shown = result != NULL ? cns_show(cx, view, result) : 0;
+    cx->shown = result != NULL;
     int status = cns_context_status(cx, code, err);
     return shown ? shown : status;
 }

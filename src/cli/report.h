@@ -16,6 +16,21 @@ __attribute__((format(printf, 2, 3)))
 #endif
 int cns_complain(cns_code code, const char *format, ...);
 
+/* "CASE:1:1: MESSAGE": the case lacks what the command needs. Returns CNS_USAGE. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+int cns_complain_of_case(const cns_case *c, const char *format, ...);
+
+/* "cns: NOTE" on standard error, unless -q was given; the progress line is taken away. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void cns_note(cns_context *cx, const char *format, ...);
+
+/* Text on standard error: on a terminal folded to its width, else as it is. */
+void cns_say(const char *text);
+
 /* How a command shows its result. */
 typedef struct cns_view {
     void (*text)(FILE *out, const cns_context *cx, const void *result);

@@ -63,6 +63,13 @@ static bool change_unfinished(char *from, char *to)
     return false;
 }
 
+/* A name that is not there any more is being read by cns_files_remove_unfinished(). */
+static void forget_unfinished(char *name)
+{
+    if (change_unfinished(name, NULL))
+        free(name);
+}
+
 void cns_files_remove_unfinished(void)
 {
     for (int i = 0; i < MOST_UNFINISHED; i++) {
@@ -82,6 +89,7 @@ static FILE *create_aside(const char *path, char **aside)
     mode_t mask;
     *aside = cns_xalloc(size, 1);
     snprintf(*aside, size, "%s.XXXXXX", path);
+    change_unfinished(NULL, *aside); /* before it is there: a signal may end the program at any time */
     const int fd = mkstemp(*aside);
     FILE *stream = fd >= 0 ? fdopen(fd, "w") : NULL;
     if (stream != NULL) {
@@ -90,7 +98,6 @@ static FILE *create_aside(const char *path, char **aside)
         umask(mask);
         pthread_mutex_unlock(&umask_lock);
         fchmod(fd, 0666 & ~mask);
-        change_unfinished(NULL, *aside);
         return stream;
     }
     const int cause = errno;
@@ -98,7 +105,7 @@ static FILE *create_aside(const char *path, char **aside)
         unlink(*aside);
         close(fd);
     }
-    free(*aside);
+    forget_unfinished(*aside);
     *aside = NULL;
     errno = cause;
     return NULL;
@@ -112,6 +119,12 @@ cns_code cns_file_create(cns_file *f, const char *path, cns_error *err)
         return cns_file_failed("write", path, errno, err);
     f->path = cns_xcopy(path);
     return CNS_OK;
+}
+
+void cns_file_redirect(cns_file *f, const char *path)
+{
+    free(f->path);
+    f->path = cns_xcopy(path);
 }
 
 cns_code cns_file_close(cns_file *f, bool keep, cns_error *err)
@@ -129,9 +142,7 @@ cns_code cns_file_close(cns_file *f, bool keep, cns_error *err)
             code = cns_file_failed("write", f->path, errno, err);
         if (!keep || code)
             unlink(f->aside);
-        /* A name that is not there any more is being read by cns_files_remove_unfinished(). */
-        if (change_unfinished(f->aside, NULL))
-            free(f->aside);
+        forget_unfinished(f->aside);
     }
     free(f->path);
     *f = (cns_file){0};

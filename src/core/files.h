@@ -18,12 +18,14 @@ typedef struct cns_file {
 } cns_file;
 
 cns_code cns_file_create(cns_file *f, const char *path, cns_error *err);
+/* It will be put at `path` instead, which is in the same directory. Not for one that is written directly. */
+void cns_file_redirect(cns_file *f, const char *path);
 /* Closes it: puts it in its place, or, with keep false or after a failure, removes it. */
 cns_code cns_file_close(cns_file *f, bool keep, cns_error *err);
 /* "cannot WHAT PATH: ..." for errno `cause`; CNS_IO, or CNS_MEMORY. */
 cns_code cns_file_failed(const char *what, const char *path, int cause, cns_error *err);
 
-/* Removes what has been created and not closed, without allocating: for a program about to end. */
+/* Removes what has been created and not closed: for a program about to end, also in a signal handler. */
 void cns_files_remove_unfinished(void);
 
 /* Writes a file whole. */

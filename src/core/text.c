@@ -58,7 +58,7 @@ static size_t copy_printable(char *to, size_t room, const char *s, bool *whole)
         if (length == 0 || c < 0x20 || c == 0x7F || c1) {
             to[used++] = '?';
         } else {
-            memcpy(to + used, s, step);
+            memmove(to + used, s, step); /* `to` may be s itself */
             used += step;
         }
         s += step;
@@ -83,6 +83,12 @@ char *cns_text_printable(const char *s)
     char *copy = cns_xalloc(room + 1, 1);
     copy_printable(copy, room, s, &whole);
     return copy;
+}
+
+void cns_text_make_printable(char *s)
+{
+    bool whole;
+    s[copy_printable(s, strlen(s), s, &whole)] = '\0';
 }
 
 static int lower(char c)
@@ -149,4 +155,59 @@ void cns_text_list(char *to, size_t size, const char *const *names, int n)
         const int written = snprintf(to + used, size - used, "%s%s", before, names[i]);
         used += written > 0 ? (size_t)written : 0;
     }
+}
+
+/* Columns that n bytes of text take, if every character takes one. */
+static int columns(const char *s, size_t n)
+{
+    int count = 0;
+    for (size_t i = 0; i < n; count++) {
+        const int step = cns_utf8_length((const unsigned char *)s + i, n - i);
+        i += step > 0 ? (size_t)step : 1;
+    }
+    return count;
+}
+
+/* Where the text behind the last gap in the first half of a line begins; behind leading blanks, if there is
+ * no other. */
+static int text_column(const char *line, size_t length, int width)
+{
+    int column = 0, found = 0;
+    for (size_t i = 0; i < length && column <= width / 2;) {
+        const size_t word = strcspn(line + i, " "), blanks = strspn(line + i + word, " ");
+        column += columns(line + i, word) + (int)blanks;
+        i += word + blanks;
+        if ((word == 0 || blanks > 1) && i < length && column <= width / 2)
+            found = column;
+    }
+    return found;
+}
+
+static void fold_line(FILE *out, const char *line, size_t length, int width, int hang)
+{
+    const int under = text_column(line, length, width), lead = under > hang ? under : hang;
+    int column = 0;
+    for (size_t i = 0; i < length;) {
+        const size_t blanks = strspn(line + i, " "), word = strcspn(line + i + blanks, " \n");
+        const int wide = columns(line + i + blanks, word);
+        if (i > 0 && column + (int)blanks + wide > width && column > lead) {
+            fprintf(out, "\n%*s", lead, "");
+            column = lead + wide;
+        } else {
+            fprintf(out, "%*s", (int)blanks, "");
+            column += (int)blanks + wide;
+        }
+        fwrite(line + i + blanks, 1, word, out);
+        i += blanks + word;
+    }
+    fputc('\n', out);
+}
+
+void cns_text_fold(FILE *out, const char *text, int width, int hang)
+{
+    do {
+        const size_t length = strcspn(text, "\n");
+        fold_line(out, text, length, width, hang);
+        text += length + (text[length] == '\n');
+    } while (*text != '\0');
 }

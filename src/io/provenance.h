@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "cns/case.h"
+#include "core/files.h"
 
 /* What a reader of tables must know in order to read one; it changes when an older reader would go wrong. */
 #define CNS_TABLE_FORMAT 1
@@ -23,5 +24,10 @@ void cns_provenance_begin(FILE *out, const cns_case *c, const char *what, cns_pr
 
 /* The last line of a table: `# complete`, or `# stopped: REASON` if reason is not NULL. */
 void cns_provenance_end(FILE *out, const char *reason);
+
+/* The same for a table in a file, which is closed. A table that ends too early replaces only one that did so
+ * as well; beside anything else it goes to "PATH.partial"; without a row it is removed. A device or pipe has
+ * been written to. *kept: where the table is, a new string; NULL: it is not. */
+cns_code cns_provenance_close(cns_file *f, bool any_rows, const char *reason, char **kept, cns_error *err);
 
 #endif

@@ -13,6 +13,7 @@ struct cns_table {
     FILE *file;
     cns_file own; /* of a path; not standard output */
     bool begun, gone;
+    long rows;
 };
 
 cns_table *cns_table_open(const char *path, FILE *out, const cns_case *c, cns_error *err)
@@ -64,6 +65,14 @@ static void print_times(FILE *out, const cns_case *c)
     cns_time_form_clear(&form);
 }
 
+static void print_header(const cns_table *t)
+{
+    print_times(t->file, t->c);
+    for (int i = 0; i < t->c->n_columns; i++)
+        fprintf(t->file, "%s,", cns_case_column_name(t->c, i));
+    fprintf(t->file, "decimals,growth\n");
+}
+
 cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err)
 {
     const cns_case *c = t->c;
@@ -88,10 +97,7 @@ cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err)
             fprintf(out, "# UNPROVEN\n");
         fprintf(out, "# kernel: %s\n# libraries: MPFR %s, GMP %s\n", run->kernel, mpfr_get_version(),
                 gmp_version);
-        print_times(out, c);
-        for (int i = 0; i < c->n_columns; i++)
-            fprintf(out, "%s,", cns_case_column_name(c, i));
-        fprintf(out, "decimals,growth\n");
+        print_header(t);
     }
     t->begun = true;
     return flush(t, err);
@@ -105,17 +111,26 @@ cns_code cns_table_row(cns_table *t, const cns_row *row, cns_error *err)
         fprintf(t->file, "%ld", row->decimals);
     double growth = row->growth < 0 && row->growth > -0.0005 ? 0 : row->growth; /* no -0.000 */
     fprintf(t->file, ",%.3f\n", growth);
+    t->rows++;
     return flush(t, err);
 }
 
-cns_code cns_table_close(cns_table *t, const char *reason, cns_error *err)
+cns_code cns_table_close(cns_table *t, const char *reason, char **kept, cns_error *err)
 {
-    cns_provenance_end(t->file, reason);
-    cns_code code = flush(t, err), closed = CNS_OK;
-    if (t->own.path)
-        closed = cns_file_close(&t->own, !code, err);
+    cns_code code = CNS_OK;
+    *kept = NULL;
+    if (!t->begun) { /* stopped while the run was planned */
+        cns_provenance_begin(t->file, t->c, "", CNS_PROVENANCE_WHOLE);
+        print_header(t);
+    }
+    if (t->own.path) {
+        code = cns_provenance_close(&t->own, t->rows > 0, reason, kept, err);
+    } else {
+        cns_provenance_end(t->file, reason);
+        code = flush(t, err);
+    }
     free(t);
-    return code ? code : closed;
+    return code;
 }
 
 void cns_table_abandon(cns_table *t)

@@ -15,9 +15,8 @@
 typedef struct cns_table cns_table;
 
 /* path NULL: written to out, standard output, which stays open. Else the table is written beside path, and
- * renamed to it when it is closed; nothing is left behind, and an older file stays, when it cannot be
- * written.
- */
+ * put in its place when it is closed (cns_provenance_close()); nothing is left behind, and an older file
+ * stays, when it cannot be written. */
 cns_table *cns_table_open(const char *path, FILE *out, const cns_case *c, cns_error *err);
 
 /* The provenance and the header row at the first call; later ones note a new attempt. */
@@ -25,8 +24,9 @@ cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err);
 cns_code cns_table_row(cns_table *t, const cns_row *row, cns_error *err);
 
 /* Ends the table: `# complete`, or `# stopped: REASON` if reason is not NULL. Frees t, whatever the result.
- * CNS_IO: it could not be written; CNS_STOPPED: the reader of standard output has gone. */
-cns_code cns_table_close(cns_table *t, const char *reason, cns_error *err);
+ * *kept as in cns_provenance_close(); NULL for standard output. CNS_IO: it could not be written; CNS_STOPPED:
+ * the reader of standard output has gone. */
+cns_code cns_table_close(cns_table *t, const char *reason, char **kept, cns_error *err);
 
 /* The same without writing anything more and without a file left at path. */
 void cns_table_abandon(cns_table *t);

@@ -216,7 +216,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         add_needs(&need, places_of_row(&need, &s) + size_of(p, goal, s.state), s.error_log2);
     }
     if (code == CNS_STOPPED && cns_trajectory_late(t)) {
-        code = cns_fail(err, CNS_UNREACHED, "max_time is used up while planning");
+        code = cns_fail(err, CNS_UNREACHED, "max_time of %g s is used up while planning", goal->max_time);
     } else if (code == CNS_STOPPED || code == CNS_MEMORY) {
         *err = failure;
     } else {

@@ -477,8 +477,8 @@ static cns_code go(walk *w, demand *d, cns_result *result, cns_error *err)
 }
 
 /* One attempt at a goal, from row d->row on. */
-static cns_code attempt(const cns_problem *p, const cns_schedule *schedule, demand *d, double deadline,
-                        cns_result *result, cns_error *err)
+static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_schedule *schedule, demand *d,
+                        double deadline, cns_result *result, cns_error *err)
 {
     cns_proof_runs runs;
     walk w;
@@ -487,7 +487,8 @@ static cns_code attempt(const cns_problem *p, const cns_schedule *schedule, dema
     if (!code)
         code = go(&w, d, result, err);
     if (code == CNS_STOPPED && (cns_trajectory_late(w.fine) || cns_ahead_late(w.coarse)))
-        code = cns_fail(err, CNS_UNREACHED, "max_time is used up at t = %.12g", mpq_get_d(w.time));
+        code = cns_fail(err, CNS_UNREACHED, "max_time of %g s is used up at t = %.12g", goal->max_time,
+                        mpq_get_d(w.time));
     d->passed = w.told > d->passed ? w.told : d->passed;
     walk_close(&w, result);
     cns_proof_runs_clear(&runs);
@@ -538,7 +539,7 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
         d.raise = result->run.digits < most && result->run.attempt <= RAISES;
         if (result->run.digits > most)
             result->run.digits = most > CNS_LEAST_PROOF_DIGITS ? most : CNS_LEAST_PROOF_DIGITS;
-        code = attempt(p, &schedule, &d, deadline, result, err);
+        code = attempt(p, goal, &schedule, &d, deadline, result, err);
         if (code == CNS_NUMERIC && !doubted && d.raise) {
             /* Digits lost in the problem itself can look like an error, or like a singularity: ask again with
              * more before saying so. */

@@ -34,6 +34,7 @@ $ cns bench --seconds 0.01 -o /dev/null; test -c /dev/null
 
 = an interrupt ends it
 $ cns bench --seconds 9999 & wait_for "catches $!"; kill -INT $!; wait $!
+2> re:^cns: stopped by signal INT
 ? 130
 if test -r /proc/self/status
 

@@ -181,7 +181,7 @@ $ grep -c 'digits, order' plain; tail -n 1 much
 | goal: {decimals: 4}
 > 0
 > 1
-> re:^cns: [0-9]+ steps, [0-9]+ events, 
+> re:^cns: [0-9]+ steps, [0-9]+ landings, 
 
 = a summary of a run that has not begun, and of one that ended early
 $ cat > a.yaml; cns run -q a.yaml --yaml --set goal.max_time=1e-9 | grep -v wall_s
@@ -197,7 +197,7 @@ $ cns run -q a.yaml --yaml --set goal.max_digits=30 --set goal.decimals=10 --set
 > landings: 0
 > events: 0
 > a decimal
-2> cns: max_time is used up while planning
+2> cns: max_time of 1e-09 s is used up while planning
 2> re:^cns: no decimal can be proven from t = 
 
 = a file has the mode that the user's mask gives it
@@ -285,7 +285,7 @@ $ tail -n 1 a.csv; grep -v '^#' a.csv | awk -F, 'NR == 1 {n = NF} NF != n {print
 | time: {end: 1e6, every: 0.1}
 | numerics: {arithmetic: mpfr, digits: 30}
 > 130
-> # stopped: stopped
+> re:^# stopped: signal INT \(Ctrl-C\) at t = 
 
 = interrupted while the reader is slow
 $ cat > a.yaml; mkfifo p; { read -r first; : > began; wait_for 'test -e go'; cat > a.csv; } < p &
@@ -297,7 +297,7 @@ $ wait; tail -n 1 a.csv; grep '^[0-9]' a.csv | awk -F, 'NF != 9 {print "short ro
 | time: {end: 9999, every: 0.001}
 | numerics: {arithmetic: mpfr, digits: 30}
 > 130
-> # stopped: stopped
+> re:^# stopped: signal INT \(Ctrl-C\) at t = 
 if test -r /proc/self/status
 
 = interrupted with -o: no half file passes for a whole one
@@ -310,7 +310,7 @@ $ kill -TERM $!; wait $! || echo $?; ls; tail -n 1 a.csv
 > 143
 > a.csv
 > a.yaml
-> # stopped: stopped
+> re:^# stopped: signal TERM at t = 
 
 = a summary as YAML
 $ cat > a.yaml; cns run -q --yaml a.yaml | grep -oE '^(end|decimals|digits|order|steps): [0-9]+' | sed 's/:.*//' | sort

@@ -84,6 +84,7 @@ $ sed -n 's/^memory_bytes: //p' 10000 | awk '{print ($1 > 1e9)}'
 
 = stopped, it says nothing rather than too little
 $ cns plan "$CASES"/case4.yaml --until 1e7 --set time.every=2 & wait_for "catches $!"; kill -INT $!; wait $!
+2> re:^cns: stopped by signal INT
 ? 130
 if test -r /proc/self/status
 
