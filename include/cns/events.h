@@ -54,7 +54,7 @@ typedef struct cns_meetings cns_meetings;
 
 /* n conditions, which are copied, on flows of programs with n_states states at prec bits; scales, one per
  * state, > 0, tell what is small. cns_meetings_free() frees it; NULL, and err->code says why: CNS_USAGE, no
- * such state or no positive period; CNS_NUMERIC, out of memory. */
+ * such state or no positive period; CNS_MEMORY. */
 cns_meetings *cns_meetings_new(const cns_event_condition *condition, int n, int n_states,
                                const double *scales, mpfr_prec_t prec, cns_error *err);
 void cns_meetings_free(cns_meetings *s);
@@ -62,7 +62,8 @@ void cns_meetings_free(cns_meetings *s);
 /* After cns_flow_start(). */
 void cns_meetings_start(cns_meetings *s);
 
-/* After each step: finds the meetings in it. CNS_NUMERIC: out of memory, or too many of them in one step. */
+/* After each step: finds the meetings in it. CNS_NUMERIC: too many of them in one step;
+ * CNS_MEMORY. */
 cns_code cns_meetings_follow(cns_meetings *s, cns_flow *f, cns_error *err);
 
 /* Those of the last step in order of time, i = 0 .. count - 1; valid until the next call. */

@@ -96,7 +96,7 @@ cns_flow_spec cns_flow_spec_given(const cns_program *program, const double *scal
                                   const cns_numerics *numerics, long spare);
 
 /* A new flow, which cns_flow_free() frees, or NULL: CNS_USAGE, what is asked for makes no sense; CNS_NUMERIC,
- * out of memory, or a constant that is not finite; err->code says which. */
+ * a constant that is not finite; CNS_MEMORY; err->code says which. */
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err);
 void cns_flow_free(cns_flow *f);
 size_t cns_flow_bytes(const cns_flow *f); /* of memory that it holds: series and vectors */

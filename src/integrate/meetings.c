@@ -193,7 +193,10 @@ static cns_code roots(cns_meetings *s, mpfr_t *q, int degree, int *count, cns_er
     *count = 0;
     mpfr_set_zero(s->base, 1);
     mpfr_set(s->rest, s->end, MPFR_RNDN);
-    while (mpfr_sgn(s->rest) > 0 && *count < MOST_ROOTS) {
+    while (mpfr_sgn(s->rest) > 0) {
+        if (*count == MOST_ROOTS)
+            return cns_fail(err, CNS_NUMERIC, "a condition is met more than %d times in one step",
+                            MOST_ROOTS);
         while (degree >= 0 && mpfr_zero_p(q[0])) {
             for (int k = 0; k < degree; k++)
                 mpfr_swap(q[k], q[k + 1]);
@@ -204,6 +207,9 @@ static cns_code roots(cns_meetings *s, mpfr_t *q, int degree, int *count, cns_er
         cns_code code = cns_first_root(s->root, &found, q, degree, s->rest, err);
         if (code || !found)
             return code;
+        if (*count == MOST_ROOTS)
+            return cns_fail(err, CNS_NUMERIC, "a condition is met more than %d times in one step",
+                            MOST_ROOTS);
         mpfr_add(s->base, s->base, s->root, MPFR_RNDN);
         mpfr_sub(s->rest, s->rest, s->root, MPFR_RNDN);
         mpfr_set(s->found[(*count)++], s->base, MPFR_RNDN);
