@@ -404,8 +404,11 @@ static bool prove_event(walk *w, demand *d, long *places, mpfr_t until, cns_resu
         return false;
     d->few_events = d->few_events || *places < d->count;
     if (*places < 0) {
-        cns_fail(&result->events_end, CNS_UNREACHED, "the two runs do not agree on the event at t = %.12g",
-                 mpfr_get_d(f->m.time, MPFR_RNDN));
+        cns_fail(
+            &result->events_end, CNS_UNREACHED,
+            "the two runs do not agree on the event at t = %.12g, or it cannot be told from the start or "
+            "the event before",
+            mpfr_get_d(f->m.time, MPFR_RNDN));
         return false;
     }
     cns_found_drop(&w->found_again, partner);
