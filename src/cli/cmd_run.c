@@ -215,7 +215,8 @@ const cns_command cns_command_run = {
         "is a multiple of half a turn and its rate is zero (APW: theta = k pi, omega = 0), and those of\n"
         "--section, with the states there; proven like the rows, by the same two runs. A section is\n"
         "STATE=VALUE, STATE=VALUE mod PERIOD, or STATE=extremum. `direction` is the sign of the\n"
-        "change (at a maximum -1), 0 where the state only touches. For the events alone: -o /dev/null.\n",
+        "change (at a maximum -1), 0 where the state only touches. Nothing at the start\n"
+        "counts. For the events alone: -o /dev/null.\n",
     .options = CNS_TAKES(CNS_OPTION_OUTPUT_FILE, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_PROVE,
                          CNS_OPTION_EVENTS, CNS_OPTION_SECTION, CNS_OPTION_THREADS, CNS_OPTION_QUIET,
                          CNS_OPTION_VERBOSE),

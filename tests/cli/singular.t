@@ -59,3 +59,20 @@ $ cat > a.yaml; cns run -q a.yaml > a.csv
 | numerics: {method: rk4, arithmetic: double, step: 0.01}
 2> re:^cns: t = 0\.1[0-9]*: (theta|omega) grows without bound: a pole$
 ? 3
+
+= a speed of zero is passed: Vy = 0 at W (I + 1) atan(0.01 / W), W = sqrt(pi / (A + B)), then Vy = -W tanh((t - t0) / (W (I + 1)))
+$ cat > a.yaml; cns run -q a.yaml --events e.csv --section Vy=0 | grep ^10, | cut -d, -f6; grep ^Vy e.csv | cut -d, -f1-3
+| model: apw
+| initial: {Vy: 0.01}
+| time: {end: 10}
+| goal: {decimals: 30}
+> -1.134278880380653598799404637968
+> Vy=0,-1,0.031999185164040372605346552543
+
+= by a speed of zero, at a distance at which double has none
+$ cat > a.yaml; for v in 0 1e-40 -1e-100; do cns run -q a.yaml --set initial.Vx=$v | grep ^1, | cut -d, -f2-7; done | uniq | wc -l
+| model: apw
+| initial: {theta: 1}
+| time: {end: 1}
+| goal: {decimals: 20}
+> 1
