@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/files.h"
 #include "core/sha256.h"
 #include "core/text.h"
 #include "support.h"
@@ -47,12 +48,45 @@ START_TEST(quotes_and_suggests)
 }
 END_TEST
 
+static void check_fold(const char *text, int width, int hang, const char *wanted)
+{
+    cns_text_stream s;
+    cns_text_open(&s);
+    cns_text_fold(s.file, text, width, hang);
+    char *folded = cns_text_close(&s, NULL);
+    ck_assert_str_eq(folded, wanted);
+    free(folded);
+}
+
+START_TEST(folds_at_words)
+{
+    check_fold("one two three four", 9, 0, "one two\nthree\nfour\n");
+    check_fold("cns: one two three", 10, 5, "cns: one\n     two\n     three\n");
+    check_fold("  key  meaning of it\n\nfour five", 17, 0, "  key  meaning of\n       it\n\nfour five\n");
+    check_fold("      -o FILE   where it goes", 16, 0, "      -o FILE\n      where it\n      goes\n");
+    check_fold("incomprehensible \xc3\xa9t\xc3\xa9 \xc3\xa9t\xc3\xa9", 7, 2,
+               "incomprehensible\n  \xc3\xa9t\xc3\xa9\n  \xc3\xa9t\xc3\xa9\n");
+    check_fold("no end", 80, 0, "no end\n");
+    check_fold("", 80, 0, "\n");
+}
+END_TEST
+
+START_TEST(shows_what_is_printable)
+{
+    char text[] = "a\nb\xff\xc3\xa9\xc2\x85z";
+    cns_text_make_printable(text);
+    ck_assert_str_eq(text, "a?b?\xc3\xa9?z");
+}
+END_TEST
+
 Suite *suite_core(void)
 {
     Suite *suite = suite_create("core");
     TCase *t = tcase_create("core");
     tcase_add_test(t, sha256_of_the_standard);
     tcase_add_test(t, quotes_and_suggests);
+    tcase_add_test(t, folds_at_words);
+    tcase_add_test(t, shows_what_is_printable);
     suite_add_tcase(suite, t);
     return suite;
 }

@@ -63,7 +63,7 @@ void cns_case_free(cns_case *c);
 /* The resolved case, defaults filled in, as a case file that resolves to the same. */
 void cns_case_print(const cns_case *c, FILE *out);
 
-/* The keys of case files, with their ranges, defaults and meanings. */
+/* The keys of case files, with their ranges, defaults and meanings, in lines that may be long. */
 void cns_case_print_keys(FILE *out);
 
 const char *cns_case_column_name(const cns_case *c, int column); /* "t", a state or a derived quantity */

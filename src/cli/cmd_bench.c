@@ -136,9 +136,9 @@ const cns_command cns_command_bench = {
     .most = 0,
     .summary = "measure the speed of the arithmetics on this machine",
     .details =
-        "Processor time per unit of integrated time, on built-in problems at 60, 120, 300 and 1000\n"
-        "digits: the plain engine (MPFR) and the fast arithmetic with each kernel that the machine\n"
-        "has. x: times as fast as the plain engine; right: digits right at the end, the least of all.\n"
-        "What would not fit into the time is left out.\n",
+        "Processor time per unit of integrated time, on built-in problems at 60, 120, 300 and 1000 digits: "
+        "the plain engine (MPFR) and the fast arithmetic with each kernel that the machine has. x: times as "
+        "fast as the plain engine; right: digits right at the end, the least of all. What would not fit "
+        "into the time is left out.\n",
     .options = CNS_TAKES(CNS_OPTION_OUTPUT_FILE, CNS_OPTION_YAML, CNS_OPTION_SECONDS, CNS_OPTION_QUIET),
 };

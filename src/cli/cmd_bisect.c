@@ -70,13 +70,13 @@ const cns_command cns_command_bisect = {
     .most = 1,
     .summary = "the critical value of a parameter between two modes",
     .details =
-        "The section `bisect` of the case names a parameter, a bracket and how many decimals to find.\n"
-        "by: trajectory follows the case's own trajectory until its late motion shows, in halves of\n"
-        "the bracket, with as many digits as the passage by the saddle takes. by: manifold follows the\n"
-        "unstable manifold of a saddle to the next one and asks on which side it passes; the zero of the\n"
-        "distance is found by secants of rising precision. Both ends of the last bracket are probed\n"
-        "twice, with different digits, orders and steps. With -o DIR every probe is kept there, and\n"
-        "the same command goes on where it was stopped.\n",
+        "The section `bisect` of the case names a parameter, a bracket and how many decimals to find. by: "
+        "trajectory follows the case's own trajectory until its late motion shows, in halves of the "
+        "bracket, with as many digits as the passage by the saddle takes. by: manifold follows the unstable "
+        "manifold of a saddle to the next one and asks on which side it passes; the zero of the distance is "
+        "found by secants of rising precision. Both ends of the last bracket are probed twice, with "
+        "different digits, orders and steps. With -o DIR every probe is kept there, and the same command "
+        "goes on where it was stopped.\n",
     .options = CNS_TAKES(CNS_OPTION_OUTPUT_DIR, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_THREADS,
                          CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
 };

@@ -23,8 +23,9 @@ const cns_command cns_command_check = {
     .least = 1,
     .most = 1,
     .summary = "check a case file and print it with all defaults filled in",
-    .details = "All faults are reported, one per line, with line and column. What is printed is a case\n"
-               "file again (sections of studies left out), with the overrides of --set applied.\n"
-               "With -q nothing is printed: the exit status tells.\n",
+    .details =
+        "All faults are reported, one per line, with line and column. What is printed is a case file again "
+        "(sections of studies left out), with the overrides of --set applied. With -q nothing is printed: "
+        "the exit status tells.\n",
     .options = CNS_TAKES(CNS_OPTION_SET, CNS_OPTION_QUIET),
 };

@@ -229,19 +229,19 @@ const cns_command cns_command_classify = {
     .most = 1,
     .summary = "find the mode of a motion: steady, flutter, tumble, chaotic",
     .details =
-        "Follows the case's own trajectory until its late motion shows, twice, in different precisions,\n"
-        "and finds the cycle that it tends to. Keys:\n"
-        "  mode      steady, flutter (periodic, from side to side), tumble (periodic, going round),\n"
-        "            periodic (in a model without an angle), chaotic (the largest exponent is positive,\n"
-        "            by six standard errors), undecided (exit status 1; a note says why)\n"
+        "Follows the case's own trajectory until its late motion shows, twice, in different precisions, and "
+        "finds the cycle that it tends to. Keys:\n"
+        "  mode      steady, flutter (periodic, from side to side), tumble (periodic, going round), "
+        "periodic (in a model without an angle), chaotic (the largest exponent is positive, by six standard "
+        "errors), undecided (exit status 1; a note says why)\n"
         "  period    after which the motion repeats, up to place and whole revolutions of its angle\n"
         "  winding   whole revolutions in a period\n"
-        "  symmetry  mirror: half a period makes the motion its own mirror image; turn: a part of a\n"
-        "            period turns it by half a revolution and otherwise repeats it; none\n"
-        "  returns   passages through broadside (angle = k pi) until it repeats, up to symmetry: 1 is\n"
-        "            the simplest motion of its kind, 2 what is called period two\n"
-        "With --sweep it does so for many values of a parameter, on all cores, and prints a table; with\n"
-        "-o DIR every finished value is kept in DIR, and none is computed again.\n",
+        "  symmetry  mirror: half a period makes the motion its own mirror image; turn: a part of a period "
+        "turns it by half a revolution and otherwise repeats it; none\n"
+        "  returns   passages through broadside (angle = k pi) until it repeats, up to symmetry: 1 is the "
+        "simplest motion of its kind, 2 what is called period two\n"
+        "With --sweep it does so for many values of a parameter, on all cores, and prints a table; with -o "
+        "DIR every finished value is kept in DIR, and none is computed again.\n",
     .options = CNS_TAKES(CNS_OPTION_OUTPUT_DIR, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_UNTIL_LIMIT,
                          CNS_OPTION_SWEEP, CNS_OPTION_OBSERVABLE, CNS_OPTION_THREADS, CNS_OPTION_QUIET),
 };

@@ -310,11 +310,11 @@ const cns_command cns_command_compare = {
     .most = 2,
     .summary = "compare two tables: agreed decimals, first difference, T_c",
     .details =
-        "A and B are tables of `cns run`, or any columns of numbers with a header, separated by commas,\n"
-        "semicolons, tabs or blanks. Columns are matched by name and rows by time, exactly; nothing is\n"
-        "interpolated. Printed are the decimals to which both agree in every common row, what was not\n"
-        "compared, the first difference, and T_c with B as the reference; -v adds a column for each\n"
-        "quantity. With --decimals N the exit status is 1 if two values agree to fewer decimals, or if\n"
+        "A and B are tables of `cns run`, or any columns of numbers with a header, separated by commas, "
+        "semicolons, tabs or blanks. Columns are matched by name and rows by time, exactly; nothing is "
+        "interpolated. Printed are the decimals to which both agree in every common row, what was not "
+        "compared, the first difference, and T_c with B as the reference; -v adds a column for each "
+        "quantity. With --decimals N the exit status is 1 if two values agree to fewer decimals, or if "
         "anything was not compared.\n",
     .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_DECIMALS_AGREED, CNS_OPTION_DELTA, CNS_OPTION_QUIET,
                          CNS_OPTION_VERBOSE),

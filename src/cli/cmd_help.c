@@ -8,9 +8,11 @@
 
 static void print_statuses(FILE *out)
 {
-    fputs("\nExit status: 0 done; 1 the asked decimals were not reached (what was is printed);\n"
-          "2 command line or case file; 3 numerical failure; 4 input or output;\n"
-          "128 + n stopped by signal n (141: the reader of the output has gone).\n",
+    fputs("\nExit status: 0 done; 1 the asked decimals were not reached (what was is printed); 2 command "
+          "line or "
+          "case file; 3 numerical failure; 4 input or output; 128 + n stopped by signal n (141: the reader "
+          "of the "
+          "output has gone).\n",
           out);
 }
 
@@ -58,7 +60,7 @@ static int run(cns_context *cx)
     const char *topic = !o->help && o->operands.n > 0 ? o->operands.at[0] : NULL;
     const cns_command *c = topic != NULL ? cns_command_find(topic) : o->help ? o->command : NULL;
     if (topic != NULL && c == NULL && strcmp(topic, "case") == 0)
-        return cns_show(cx, &(cns_view){.text = print_keys}, NULL);
+        return cns_show(cx, &(cns_view){.text = print_keys, .folded = true}, NULL);
     if (topic != NULL && c == NULL) {
         const char *nearest = cns_command_nearest(topic);
         if (nearest != NULL)
@@ -67,7 +69,7 @@ static int run(cns_context *cx)
         return cns_complain(CNS_USAGE, "no help on '%s'; `cns help` lists the commands",
                             cns_quote(topic).text);
     }
-    return cns_show(cx, &(cns_view){.text = c != NULL ? print_command : print_overview}, c);
+    return cns_show(cx, &(cns_view){.text = c != NULL ? print_command : print_overview, .folded = true}, c);
 }
 
 const cns_command cns_command_help = {

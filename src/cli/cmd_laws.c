@@ -205,10 +205,10 @@ const cns_command cns_command_laws = {
     .most = 1,
     .summary = "T_c against digits, step and smoothing: runs, fits, errors",
     .details =
-        "Runs of K digits, of fixed steps and of smoothed absolute values, as `laws` in the case says, all\n"
-        "against one finer reference, and straight lines through their critical predictable times. Errors\n"
-        "of slopes allow for the fluctuation of growth, which all runs share. Runs stop by themselves;\n"
-        "`time: end` is only where to give up, `time: every` the rows. With -o DIR every run is kept, and\n"
+        "Runs of K digits, of fixed steps and of smoothed absolute values, as `laws` in the case says, all "
+        "against one finer reference, and straight lines through their critical predictable times. Errors "
+        "of slopes allow for the fluctuation of growth, which all runs share. Runs stop by themselves; "
+        "`time: end` is only where to give up, `time: every` the rows. With -o DIR every run is kept, and "
         "the same command does what is missing.\n",
     .options = CNS_TAKES(CNS_OPTION_OUTPUT_DIR, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_THREADS,
                          CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),

@@ -247,14 +247,14 @@ const cns_command cns_command_lyapunov = {
     .most = 1,
     .summary = "Lyapunov exponents, with their standard errors",
     .details =
-        "A tangent is carried along a long trajectory and its mean growth is printed as a table of\n"
-        "t, lambda and standard error; --yaml: as a summary. The section `lyapunov` of the case says\n"
-        "how long (time: 20000) and in which arithmetic: double, or mpfr or fast with digits. A tenth\n"
-        "of that time comes before it and is left out. The error falls like 1/sqrt(time).\n"
-        "With `exponents: all`, or a number, as many tangents are carried; then come the Kaplan-Yorke\n"
+        "A tangent is carried along a long trajectory and its mean growth is printed as a table of t, "
+        "lambda and standard error; --yaml: as a summary. The section `lyapunov` of the case says how long "
+        "(time: 20000) and in which arithmetic: double, or mpfr or fast with digits. A tenth of that time "
+        "comes before it and is left out. The error falls like 1/sqrt(time).\n"
+        "With `exponents: all`, or a number, as many tangents are carried; then come the Kaplan-Yorke "
         "dimension and, as a check, the sum of all exponents and the mean trace of the Jacobian.\n"
-        "Where the rate of growth changes once, what was before is left out. Where it changes again,\n"
-        "or varies over longer than the batches that give the error, there is no figure: exit status 1.\n",
+        "Where the rate of growth changes once, what was before is left out. Where it changes again, or "
+        "varies over longer than the batches that give the error, there is no figure: exit status 1.\n",
     .options = CNS_TAKES(CNS_OPTION_OUTPUT_FILE, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_QUIET,
                          CNS_OPTION_VERBOSE),
 };

@@ -65,7 +65,7 @@ static int run(cns_context *cx)
                                 cns_quote(name).text);
         }
     }
-    return cns_show(cx, &(cns_view){.text = print_text}, only);
+    return cns_show(cx, &(cns_view){.text = print_text, .folded = true}, only);
 }
 
 const cns_command cns_command_models = {

@@ -114,10 +114,11 @@ const cns_command cns_command_plan = {
     .least = 1,
     .most = 1,
     .summary = "digits, order, steps, memory and time that a goal will need",
-    .details = "The growth of noise is measured along a preliminary run in double precision with tangents,\n"
-               "the speed of this machine on some steps. A run with `goal` makes the same plan first. The\n"
-               "time is that of a machine with nothing else to do. CASE may have `goal`, `numerics` or\n"
-               "neither; what is left out: the case's end and goal, or 10 decimals.\n",
+    .details =
+        "The growth of noise is measured along a preliminary run in double precision with tangents, the "
+        "speed of this machine on some steps. A run with `goal` makes the same plan first. The time is that "
+        "of a machine with nothing else to do. CASE may have `goal`, `numerics` or neither; what is left "
+        "out: the case's end and goal, or 10 decimals.\n",
     .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_UNTIL_TIME, CNS_OPTION_DECIMALS,
                          CNS_OPTION_THREADS, CNS_OPTION_QUIET),
 };

@@ -144,14 +144,13 @@ const cns_command cns_command_tc = {
     .most = 1,
     .summary = "critical predictable time of a run by numerics",
     .details =
-        "How long the run that `numerics` describes can be trusted: the first row at which it differs\n"
-        "from a finer run by more than delta, refined inside the interval before that row. For an\n"
-        "observable u that is |1 - u1/u2| > delta; for `norm`, the distance of the states that feed\n"
-        "back, each divided by its typical size, > delta. With `digits: K` every state is rounded to K\n"
-        "significant decimals after every step. The finer run is a Taylor run with more digits, chosen\n"
-        "so that its own error stays far below delta. delta is `laws: delta` of the case, unless --delta\n"
-        "gives another. Where `laws: observable` names a state, the run ends at its T_c, and no other is\n"
-        "printed.\n",
+        "How long the run that `numerics` describes can be trusted: the first row at which it differs from "
+        "a finer run by more than delta, refined inside the interval before that row. For an observable u "
+        "that is |1 - u1/u2| > delta; for `norm`, the distance of the states that feed back, each divided "
+        "by its typical size, > delta. With `digits: K` every state is rounded to K significant decimals "
+        "after every step. The finer run is a Taylor run with more digits, chosen so that its own error "
+        "stays far below delta. delta is `laws: delta` of the case, unless --delta gives another. Where "
+        "`laws: observable` names a state, the run ends at its T_c, and no other is printed.\n",
     .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_DELTA, CNS_OPTION_REFERENCE_DIGITS,
                          CNS_OPTION_THREADS, CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
 };

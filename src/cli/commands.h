@@ -13,7 +13,7 @@ typedef struct cns_command {
     const char *operands;        /* as shown in the usage */
     int least, most;             /* how many operands */
     const char *summary;
-    const char *details; /* paragraphs for `cns help NAME`; NULL: the summary says it all */
+    const char *details; /* for `cns help NAME`, a line for each paragraph; NULL: the summary says it all */
     /* Those that it takes besides --help and --version, in the order of the help: CNS_TAKES, or NULL. */
     const cns_option *options;
 } cns_command;

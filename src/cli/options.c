@@ -86,9 +86,9 @@ static void print_options(const cns_option *list, FILE *out)
         snprintf(shown, sizeof shown, "--%s%s%s", row->name, row->argument != NULL ? " " : "",
                  row->argument != NULL ? row->argument : "");
         if (row->letter != 0)
-            fprintf(out, "  -%c, %-20s %s\n", row->letter, shown, row->meaning);
+            fprintf(out, "  -%c, %-20s  %s\n", row->letter, shown, row->meaning);
         else
-            fprintf(out, "      %-20s %s\n", shown, row->meaning);
+            fprintf(out, "      %-20s  %s\n", shown, row->meaning);
     }
 }
 

@@ -86,12 +86,28 @@ int cns_page_write(cns_text_stream *page, const char *path)
     return status;
 }
 
+/* Folds what is in the page; nothing is left in it if there is not memory for all of it. */
+static int fold(cns_text_stream *page)
+{
+    cns_error err;
+    const int width = cns_terminal_width(STDOUT_FILENO);
+    char *text = cns_text_close(page, &err);
+    cns_text_open(page);
+    if (text == NULL)
+        return cns_complain(err.code, "%s", err.text);
+    cns_text_fold(page->file, text, width > 0 ? width : CNS_TEXT_WIDTH, 0);
+    free(text);
+    return 0;
+}
+
 static int show_text(const cns_context *cx, const cns_view *view, const void *result, const char *path)
 {
     cns_text_stream page;
     cns_text_open(&page);
     view->text(page.file, cx, result);
-    return cns_page_write(&page, path);
+    const int status = view->folded ? fold(&page) : 0;
+    const int written = cns_page_write(&page, path);
+    return status ? status : written;
 }
 
 static int show_summary(const cns_context *cx, const cns_view *view, const void *result)

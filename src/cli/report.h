@@ -35,6 +35,7 @@ void cns_say(const char *text);
 typedef struct cns_view {
     void (*text)(FILE *out, const cns_context *cx, const void *result);
     void (*yaml)(cns_summary *s, const cns_context *cx, const void *result); /* NULL: takes no --yaml */
+    bool folded;  /* the text is for people: to the terminal's width, or CNS_TEXT_WIDTH without one */
     bool to_file; /* -o FILE takes the text, and with --yaml the summary goes to standard output beside it */
 } cns_view;
 

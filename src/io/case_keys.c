@@ -161,8 +161,7 @@ long cns_key_get(const cns_key *k, const cns_case *c)
 void cns_case_print_keys(FILE *out)
 {
     fputs("A case file is YAML: keys and values, at most three levels deep. Values are exact: decimals, "
-          "fractions and\n"
-          "pi, as in 2.2, 1e-30, 8/3, 2*pi/3. `--set SECTION.KEY=VALUE` overrides a value.\n\n",
+          "fractions and pi, as in 2.2, 1e-30, 8/3, 2*pi/3. `--set SECTION.KEY=VALUE` overrides a value.\n\n",
           out);
     for (const cns_key *k = cns_keys; k < cns_keys + CNS_KEYS; k++) {
         const char *lead = cns_key_indent(k), *standard = k->standard != NULL ? k->standard : k->otherwise;
@@ -176,8 +175,8 @@ void cns_case_print_keys(FILE *out)
                     standard != NULL ? standard : "");
         fputc('\n', out);
     }
-    fputs(
-        "\n`run` needs `goal` or `numerics`, never both. In a list of columns, `t` is the time; `decimals`\n"
-        "and `growth` are always printed, last.\n",
-        out);
+    fputs("\n`run` needs `goal` or `numerics`, never both. In a list of columns, `t` is the time; `decimals` "
+          "and "
+          "`growth` are always printed, last.\n",
+          out);
 }
