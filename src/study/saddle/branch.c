@@ -32,16 +32,16 @@ static cns_code begin(cns_branch *b, const cns_fixed_point *f, int along, const 
     int unstable = 0, stable = 0, largest = 0;
     double size = 0;
     for (int k = 0; k < f->d; k++) {
-        unstable += arb_is_positive(acb_realref(f->lambda + k)) != 0;
-        stable += arb_is_negative(acb_realref(f->lambda + k)) != 0;
+        unstable += arb_is_positive(acb_realref(f->spectrum.lambda + k)) != 0;
+        stable += arb_is_negative(acb_realref(f->spectrum.lambda + k)) != 0;
     }
-    if (unstable != 1 || stable != f->d - 1 || !f->simple || !cns_fixed_point_is_real(f, 0))
+    if (unstable != 1 || stable != f->d - 1 || !f->spectrum.simple || !cns_spectrum_is_real(&f->spectrum, 0))
         return cns_fail(err, CNS_NUMERIC, "it is not a saddle with one unstable direction");
-    arf_get_mpfr(b->lambda, arb_midref(acb_realref(f->lambda)), MPFR_RNDN);
+    arf_get_mpfr(b->lambda, arb_midref(acb_realref(f->spectrum.lambda)), MPFR_RNDN);
     acb_t turned;
     acb_init(turned);
     for (int i = 0; i < b->d; i++) {
-        acb_srcptr v = acb_mat_entry(f->right, i, 0);
+        acb_srcptr v = acb_mat_entry(f->spectrum.right, i, 0);
         double here = hypot(arf_get_d(arb_midref(acb_realref(v)), ARF_RND_NEAR),
                             arf_get_d(arb_midref(acb_imagref(v)), ARF_RND_NEAR)) /
                       scales[i];
@@ -51,7 +51,7 @@ static cns_code begin(cns_branch *b, const cns_fixed_point *f, int along, const 
         }
     }
     for (int i = 0; i < b->d; i++) { /* any complex multiple of a real vector may have come */
-        acb_div(turned, acb_mat_entry(f->right, i, 0), acb_mat_entry(f->right, largest, 0),
+        acb_div(turned, acb_mat_entry(f->spectrum.right, i, 0), acb_mat_entry(f->spectrum.right, largest, 0),
                 (slong)b->prec + 64);
         middle(coefficient(b, 0)[i], f->x + i);
         middle(coefficient(b, 1)[i], acb_realref(turned));

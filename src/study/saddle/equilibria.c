@@ -7,10 +7,10 @@
 #include "core/memory.h"
 #include "core/monitor.h"
 #include "fixed_point.h"
-#include "num/decimal_text.h"
+#include "num/ball_text.h"
 #include "num/logs.h"
 
-enum { GUARD_BITS = 64, TRIES = 4, MAX_SIZE_BITS = 1 << 20 };
+enum { GUARD_BITS = 64, TRIES = 4 };
 
 /* The fixed points that were found, in ball arithmetic. */
 typedef struct find {
@@ -48,27 +48,6 @@ static cns_code locate(find *f, slong prec, cns_error *err)
     return code;
 }
 
-/* The text of a ball, or NULL when its ends have different texts. */
-static char *text_of(const arb_t x, long decimals)
-{
-    mpfr_t low, high, radius;
-    const slong size = arf_is_special(arb_midref(x)) ? 0 : arf_abs_bound_lt_2exp_si(arb_midref(x));
-    char *text = NULL;
-    if (!arb_is_finite(x) || size > MAX_SIZE_BITS)
-        return NULL;
-    mpfr_inits2((slong)((double)decimals * CNS_LOG2_10) + (size > 0 ? size : 0) + 2 * GUARD_BITS, low, high,
-                radius, (mpfr_ptr)0);
-    arb_get_interval_mpfr(low, high, x);
-    mpfr_sub(radius, high, low, MPFR_RNDU);
-    mpfr_div_2ui(radius, radius, 1, MPFR_RNDU);
-    mpfr_add(low, low, radius, MPFR_RNDN);
-    mpfr_mul_ui(radius, radius, 2, MPFR_RNDU); /* for the rounding of the middle; nothing else was lost */
-    if (cns_text_certain(low, radius, CNS_PLACES_DECIMALS, decimals))
-        text = cns_text_mpfr(low, CNS_PLACES_DECIMALS, decimals);
-    mpfr_clears(low, high, radius, (mpfr_ptr)0);
-    return text;
-}
-
 static void clear_item(cns_equilibrium *e, int d)
 {
     for (int k = 0; k < d; k++) {
@@ -89,7 +68,7 @@ static const char *stability(const cns_fixed_point *p, int stable, int unstable)
 {
     bool spiral = false;
     for (int k = 0; k < p->d; k++)
-        spiral = spiral || !arb_contains_zero(acb_imagref(p->lambda + k));
+        spiral = spiral || !arb_contains_zero(acb_imagref(p->spectrum.lambda + k));
     if (stable + unstable < p->d)
         return "not hyperbolic";
     if (unstable == 0)
@@ -109,13 +88,14 @@ static bool describe(const cns_fixed_point *p, const char *name, long decimals, 
                            .eigenvalues = cns_xalloc((size_t)d, sizeof *e->eigenvalues)};
     for (int k = 0; k < d; k++) {
         cns_eigenvalue *l = &e->eigenvalues[k];
-        e->state[k] = text_of(p->x + k, decimals);
-        l->re = text_of(acb_realref(p->lambda + k), decimals);
-        l->im =
-            cns_fixed_point_is_real(p, k) ? cns_xcopy("0") : text_of(acb_imagref(p->lambda + k), decimals);
+        e->state[k] = cns_text_ball(p->x + k, decimals);
+        l->re = cns_text_ball(acb_realref(p->spectrum.lambda + k), decimals);
+        l->im = cns_spectrum_is_real(&p->spectrum, k)
+                    ? cns_xcopy("0")
+                    : cns_text_ball(acb_imagref(p->spectrum.lambda + k), decimals);
         certain = certain && e->state[k] != NULL && l->re != NULL && l->im != NULL;
-        e->stable += arb_is_negative(acb_realref(p->lambda + k)) != 0;
-        e->unstable += arb_is_positive(acb_realref(p->lambda + k)) != 0;
+        e->stable += arb_is_negative(acb_realref(p->spectrum.lambda + k)) != 0;
+        e->unstable += arb_is_positive(acb_realref(p->spectrum.lambda + k)) != 0;
     }
     e->stability = stability(p, e->stable, e->unstable);
     return certain;

@@ -31,20 +31,15 @@ void cns_fixed_point_init(cns_fixed_point *f, int d)
 {
     f->d = d;
     f->x = _arb_vec_init(d);
-    f->lambda = _acb_vec_init(d);
     arb_mat_init(f->jacobian, d, d);
-    acb_mat_init(f->right, d, d);
-    acb_mat_init(f->left, d, d);
-    f->simple = false;
+    cns_spectrum_init(&f->spectrum, d);
 }
 
 void cns_fixed_point_clear(cns_fixed_point *f)
 {
     _arb_vec_clear(f->x, f->d);
-    _acb_vec_clear(f->lambda, f->d);
     arb_mat_clear(f->jacobian);
-    acb_mat_clear(f->right);
-    acb_mat_clear(f->left);
+    cns_spectrum_clear(&f->spectrum);
 }
 
 /* f, d balls, and the Jacobian over the box x. */
@@ -168,131 +163,6 @@ static cns_code krawczyk(const cns_reduced *r, arb_ptr x, slong radius_log2, slo
     return code;
 }
 
-static bool comes_before(const acb_t a, const acb_t b)
-{
-    if (!arb_overlaps(acb_realref(a), acb_realref(b)))
-        return arb_gt(acb_realref(a), acb_realref(b)) != 0;
-    return arf_cmp(arb_midref(acb_imagref(a)), arb_midref(acb_imagref(b))) > 0;
-}
-
-/* In the order the header promises, eigenvectors along. */
-static void sort(cns_fixed_point *f)
-{
-    for (int i = 1; i < f->d; i++)
-        for (int j = i; j > 0 && comes_before(f->lambda + j, f->lambda + j - 1); j--) {
-            acb_swap(f->lambda + j, f->lambda + j - 1);
-            for (int k = 0; k < f->d; k++) {
-                acb_swap(acb_mat_entry(f->right, k, j), acb_mat_entry(f->right, k, j - 1));
-                acb_swap(acb_mat_entry(f->left, j, k), acb_mat_entry(f->left, j - 1, k));
-            }
-        }
-}
-
-/* Balls that meet become one, which holds as many eigenvalues as were balls. */
-static void join(acb_ptr lambda, int d, slong prec)
-{
-    for (int turn = 0; turn < d; turn++)
-        for (int i = 0; i < d; i++)
-            for (int j = 0; j < d; j++)
-                if (i != j && acb_overlaps(lambda + i, lambda + j)) {
-                    acb_union(lambda + i, lambda + i, lambda + j, prec);
-                    acb_set(lambda + j, lambda + i);
-                }
-}
-
-/* Scales every column to a size near 1; the bound on |F| wants that. */
-static void level_columns(acb_mat_t r, slong prec)
-{
-    arb_t size, largest;
-    arb_init(size);
-    arb_init(largest);
-    for (slong j = 0; j < acb_mat_ncols(r); j++) {
-        arb_zero(largest);
-        for (slong i = 0; i < acb_mat_nrows(r); i++) {
-            acb_abs(size, acb_mat_entry(r, i, j), prec);
-            if (arf_cmp(arb_midref(size), arb_midref(largest)) > 0)
-                arb_set(largest, size);
-        }
-        for (slong i = 0; i < acb_mat_nrows(r); i++) {
-            acb_div_arb(acb_mat_entry(r, i, j), acb_mat_entry(r, i, j), largest, prec);
-            acb_get_mid(acb_mat_entry(r, i, j), acb_mat_entry(r, i, j));
-        }
-    }
-    arb_clear(size);
-    arb_clear(largest);
-}
-
-/* Enclosures where some eigenvalues lie together: every eigenvalue of A = R (D + F) R^-1 lies within |F| of
- * an entry of D, and connected unions of these discs hold as many eigenvalues as entries, since that is so
- * for D + s F, 0 <= s <= 1. Approximate eigenvectors of a defective matrix are no basis; those of a matrix a
- * little off are one. */
-static bool enclose_groups(cns_fixed_point *f, const acb_mat_t a, slong prec)
-{
-    const int d = f->d;
-    acb_ptr guess = _acb_vec_init(d);
-    acb_mat_t near;
-    mag_t eps, least;
-    arb_t off;
-    arb_init(off);
-    mag_init(eps);
-    mag_init(least);
-    acb_mat_init(near, d, d);
-    mag_inf(least);
-    for (int turn = 0; turn < 2; turn++) {
-        acb_mat_get_mid(near, a);
-        for (int i = 0; i < d && turn > 0; i++)
-            for (int j = 0; j < d; j++) {
-                arb_set_ui(off, 1 + (unsigned long)((i * 7 + j * j * 5) % 11));
-                arb_mul_2exp_si(off, off, -prec / 2);
-                acb_add_arb(acb_mat_entry(near, i, j), acb_mat_entry(near, i, j), off, prec);
-            }
-        acb_mat_get_mid(near, near);
-        acb_mat_approx_eig_qr(guess, NULL, f->right, near, NULL, 0, prec);
-        level_columns(f->right, prec);
-        acb_mat_eig_global_enclosure(eps, a, guess, f->right, prec);
-        if (mag_cmp(eps, least) >= 0)
-            continue;
-        mag_set(least, eps);
-        _acb_vec_set(f->lambda, guess, d);
-    }
-    for (int i = 0; i < d; i++) {
-        acb_get_mid(f->lambda + i, f->lambda + i);
-        acb_add_error_mag(f->lambda + i, least);
-    }
-    join(f->lambda, d, prec);
-    const bool found = mag_is_finite(least) != 0;
-    arb_clear(off);
-    mag_clear(eps);
-    mag_clear(least);
-    acb_mat_clear(near);
-    _acb_vec_clear(guess, d);
-    return found;
-}
-
-/* Approximate eigenvalues by the QR algorithm, then enclosures: of all of them apart, or, where some lie
- * together, of each group. */
-static cns_code spectrum(cns_fixed_point *f, slong prec, cns_error *err)
-{
-    const int d = f->d;
-    acb_mat_t a, near;
-    acb_ptr guess = _acb_vec_init(d);
-    acb_mat_init(a, d, d);
-    acb_mat_init(near, d, d);
-    acb_mat_set_arb_mat(a, f->jacobian);
-    acb_mat_get_mid(near, a);
-    acb_mat_approx_eig_qr(guess, NULL, f->right, near, NULL, 0, prec);
-    acb_mat_set(near, f->right);
-    f->simple = acb_mat_eig_simple(f->lambda, f->left, f->right, a, guess, near, prec) != 0;
-    const bool found = f->simple || enclose_groups(f, a, prec);
-    acb_mat_clear(a);
-    acb_mat_clear(near);
-    _acb_vec_clear(guess, d);
-    if (!found)
-        return cns_fail(err, CNS_NUMERIC, "the eigenvalues could not be enclosed");
-    sort(f);
-    return CNS_OK;
-}
-
 cns_code cns_fixed_point_find(const cns_reduced *r, const double *guess, slong prec, cns_fixed_point *f,
                               cns_error *err)
 {
@@ -315,42 +185,33 @@ cns_code cns_fixed_point_find(const cns_reduced *r, const double *guess, slong p
         arb_mat_clear(value);
     }
     if (!code)
-        code = spectrum(f, prec, &inner);
+        code = cns_spectrum_enclose(&f->spectrum, f->jacobian, prec, &inner);
     return code ? cns_fail(err, code, "%s", inner.text) : CNS_OK;
-}
-
-bool cns_fixed_point_is_real(const cns_fixed_point *f, int k)
-{
-    acb_t mirror;
-    bool real = f->simple && arb_contains_zero(acb_imagref(f->lambda + k));
-    acb_init(mirror);
-    acb_conj(mirror, f->lambda + k);
-    for (int i = 0; i < f->d && real; i++)
-        real = i == k || !acb_overlaps(mirror, f->lambda + i);
-    acb_clear(mirror);
-    return real;
 }
 
 bool cns_fixed_point_attracts(const cns_fixed_point *f, const bool *in_states)
 {
     const slong prec = 128;
-    cns_fixed_point block;
+    cns_spectrum of_block;
+    arb_mat_t block;
     cns_error ignored;
     int d = 0, row = 0;
     for (int i = 0; i < f->d; i++)
         d += in_states[i];
-    cns_fixed_point_init(&block, d);
+    cns_spectrum_init(&of_block, d);
+    arb_mat_init(block, d, d);
     for (int i = 0; i < f->d; i++) {
         if (!in_states[i])
             continue;
         for (int j = 0, column = 0; j < f->d; j++)
             if (in_states[j])
-                arb_set(arb_mat_entry(block.jacobian, row, column++), arb_mat_entry(f->jacobian, i, j));
+                arb_set(arb_mat_entry(block, row, column++), arb_mat_entry(f->jacobian, i, j));
         row++;
     }
-    bool attracts = d == 0 || !spectrum(&block, prec, &ignored);
+    bool attracts = d == 0 || !cns_spectrum_enclose(&of_block, block, prec, &ignored);
     for (int i = 0; i < d && attracts; i++)
-        attracts = arb_is_negative(acb_realref(block.lambda + i)) != 0;
-    cns_fixed_point_clear(&block);
+        attracts = arb_is_negative(acb_realref(of_block.lambda + i)) != 0;
+    cns_spectrum_clear(&of_block);
+    arb_mat_clear(block);
     return attracts;
 }

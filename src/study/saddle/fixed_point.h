@@ -5,6 +5,7 @@
 
 #include "cns/program.h"
 #include "num/flint.h"
+#include "study/spectrum.h"
 
 /* What Newton's method and its proof work on. */
 typedef struct cns_reduced {
@@ -19,12 +20,9 @@ void cns_reduced_close(cns_reduced *r);
 
 typedef struct cns_fixed_point {
     int d;
-    arb_ptr x;          /* d enclosures; there is exactly one fixed point in this box */
-    arb_mat_t jacobian; /* d x d, at that point */
-    acb_ptr lambda;     /* d enclosures: real parts fall; of a pair, the positive imaginary part first */
-    bool simple;        /* the enclosures of the eigenvalues are disjoint: */
-    acb_mat_t right;    /* then columns are right eigenvectors, */
-    acb_mat_t left;     /* and rows left eigenvectors, left right = 1 */
+    arb_ptr x;             /* d enclosures; there is exactly one fixed point in this box */
+    arb_mat_t jacobian;    /* d x d, at that point */
+    cns_spectrum spectrum; /* of the Jacobian */
 } cns_fixed_point;
 
 void cns_fixed_point_init(cns_fixed_point *f, int d);
@@ -35,10 +33,6 @@ void cns_fixed_point_clear(cns_fixed_point *f);
  * for systems of equations, 1990, section 5.1). CNS_NUMERIC: none found or none proven: err says which. */
 cns_code cns_fixed_point_find(const cns_reduced *r, const double *guess, slong prec, cns_fixed_point *f,
                               cns_error *err);
-
-/* Is eigenvalue k certainly real? A real matrix has its eigenvalues in conjugate pairs, so one that is alone
- * in a ball whose mirror image meets no other ball is its own conjugate. */
-bool cns_fixed_point_is_real(const cns_fixed_point *f, int k);
 
 /* Do all small deviations in these states alone (d flags) die out, the others being held? The eigenvalues of
  * that block of the Jacobian are certain to have negative real parts. */

@@ -136,13 +136,13 @@ static void find_rows(probe *p)
     for (int k = 0; k < d; k++) {
         double size = 0;
         for (int i = 0; i < d; i++) {
-            acb_srcptr v = acb_mat_entry(p->saddle.right, i, k);
+            acb_srcptr v = acb_mat_entry(p->saddle.spectrum.right, i, k);
             size = fmax(size, hypot(arf_get_d(arb_midref(acb_realref(v)), ARF_RND_NEAR),
                                     arf_get_d(arb_midref(acb_imagref(v)), ARF_RND_NEAR)) /
                                   p->scales[i]);
         }
         for (int j = 0; j < d; j++) {
-            acb_srcptr l = acb_mat_entry(p->saddle.left, k, j);
+            acb_srcptr l = acb_mat_entry(p->saddle.spectrum.left, k, j);
             p->re[k * d + j] = arf_get_d(arb_midref(acb_realref(l)), ARF_RND_NEAR) * size;
             p->im[k * d + j] = arf_get_d(arb_midref(acb_imagref(l)), ARF_RND_NEAR) * size;
         }
@@ -155,9 +155,9 @@ static void find_rows(probe *p)
     acb_t factor;
     acb_init(factor);
     arf_set_mpfr(arb_midref(acb_realref(factor)), p->branch.p[d + largest]);
-    acb_div(factor, acb_mat_entry(p->saddle.right, largest, 0), factor, (slong)p->prec + EXTRA_BITS);
+    acb_div(factor, acb_mat_entry(p->saddle.spectrum.right, largest, 0), factor, (slong)p->prec + EXTRA_BITS);
     for (int j = 0; j < d; j++) {
-        acb_mul(scaled, acb_mat_entry(p->saddle.left, 0, j), factor, (slong)p->prec + EXTRA_BITS);
+        acb_mul(scaled, acb_mat_entry(p->saddle.spectrum.left, 0, j), factor, (slong)p->prec + EXTRA_BITS);
         arf_get_mpfr(p->row[j], arb_midref(acb_realref(scaled)), MPFR_RNDN);
     }
     acb_clear(factor);
