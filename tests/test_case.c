@@ -385,8 +385,9 @@ START_TEST(refuses_overrides)
     bad_set(MINIMAL, "a.=1", "--set a.=1: write SECTION.KEY=VALUE, as in numerics.digits=80");
     bad_set(MINIMAL, "time.end=1\n2", "--set time.end=1?2: not plain text in UTF-8");
     bad_set(MINIMAL, "time.end=", "--set time.end=: 'end' in 'time' has no value; it must be a number > 0");
-    bad_set(MINIMAL "goal: {decimals: 5}\n", "numerics.digits=20",
-            "--set numerics.digits=20: 'goal' and 'numerics' exclude each other: keep one");
+    bad_set(MINIMAL "goal: {decimals: 5}\n", "numerics.method=rk4",
+            "--set numerics.method=rk4: missing in 'numerics': 'digits' and a fixed 'step'; add --set "
+            "numerics.digits=40 --set numerics.step=1e-3");
     bad_set("model: lorenz\ntime: {end: 1, every: x}\n", "initial.q=1",
             "t:2:23: 'every' in 'time' must be a number > 0; 'x' is not a number: use decimals, fractions "
             "and pi, "

@@ -29,6 +29,8 @@ typedef struct cns_case {
     size_t length;
     char sha256[65]; /* of text, without the overrides */
     char *overrides; /* the --set options, one per line and each fit for one; NULL when there are none */
+    const char
+        *replaced; /* "goal" or "numerics", which overrides of the other took the place of; NULL: neither */
     const cns_model *model;
     cns_number *parameters; /* model->n_parameters */
     cns_number *initial;    /* model->n_states */
@@ -47,10 +49,11 @@ typedef struct cns_case {
 } cns_case;
 
 /* Reads and checks a case file, "-" being standard input. `sets` are n_sets texts "key.key=value" that
- * override values, each by one that may stand behind "key: " on a line of the file. Every fault is reported,
- * one per line without a final newline ("name:line:column: message", then "--set TEXT: message"), in *report,
- * a new string (NULL when there are none) that the caller frees; then the result is CNS_USAGE. CNS_IO, with
- * one line in *report, when the file cannot be read. On CNS_OK *c is a new case; else it is NULL.
+ * override values, each by one that may stand behind "key: " on a line of the file. Overrides of `numerics`
+ * take the place of the file's `goal`, and those of `goal` of its `numerics`. Every fault is reported, one
+ * per line without a final newline ("name:line:column: message", then "--set TEXT: message"), in *report, a
+ * new string (NULL when there are none) that the caller frees; then the result is CNS_USAGE. CNS_IO, with one
+ * line in *report, when the file cannot be read. On CNS_OK *c is a new case; else it is NULL.
  *
  * Neither `goal` nor `numerics` is needed here: `run` needs one, studies can choose for themselves. */
 cns_code cns_case_load(const char *path, const char *const *sets, int n_sets, cns_case **c, char **report);

@@ -190,7 +190,9 @@ static int run(cns_context *cx)
     const cns_case *c = cx->c;
     run_context r = {.cx = cx};
     if (!c->has_goal && !c->has_numerics)
-        return cns_complain_of_case(c, "neither 'goal' nor 'numerics': `cns run` needs one of them");
+        return cns_complain_of_case(
+            c, "neither 'goal' nor 'numerics': `cns run` needs one of them, such as --set "
+               "goal.decimals=10");
     int status = open_outputs(&r);
     if (!status)
         status = compute(&r);

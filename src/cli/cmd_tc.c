@@ -115,7 +115,7 @@ static int run(cns_context *cx)
     cns_tc_result r;
     cns_error err = {0};
     if (!c->has_numerics)
-        return cns_complain_of_case(c, "%s: `cns tc` needs 'numerics', such as {digits: 16}",
+        return cns_complain_of_case(c, "%s: `cns tc` needs 'numerics', such as --set numerics.digits=16",
                                     c->has_goal ? "a 'goal' finds its own digits and is proven"
                                                 : "no 'numerics'");
     if (cx->o->delta != NULL)

@@ -37,6 +37,9 @@ static int open_case(cns_context *cx)
     else if (faults != NULL)
         cns_complain(code, "%s", faults);
     free(faults);
+    if (cx->c != NULL && cx->c->replaced != NULL)
+        cns_note(cx, "--set %s replaces '%s' of %s", cx->c->has_goal ? "goal..." : "numerics...",
+                 cx->c->replaced, cx->c->name);
     return (int)code;
 }
 

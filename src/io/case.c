@@ -24,6 +24,29 @@ static bool plain_text(const char *s)
     return true;
 }
 
+/* Does an override speak of this section, or of a key in it? */
+static bool speaks_of(const char *set, const char *section)
+{
+    const size_t n = strlen(section);
+    return strncmp(set, section, n) == 0 && strchr(".= ", set[n]) != NULL && set[n] != '\0';
+}
+
+/* `goal` and `numerics` exclude each other: overrides of the one take the place of the other in the file. The
+ * name of that other, or NULL when nothing is replaced; overrides of both are left to the rules, which refuse
+ * them. */
+static const char *replaced_section(const cns_yaml_node *root, const char *const *sets, int n_sets)
+{
+    static const char *const sections[] = {"goal", "numerics"};
+    bool spoken[2] = {false, false};
+    for (int i = 0; i < n_sets; i++)
+        for (int k = 0; k < 2; k++)
+            spoken[k] = spoken[k] || speaks_of(sets[i], sections[k]);
+    for (int k = 0; k < 2; k++)
+        if (spoken[1 - k] && !spoken[k] && cns_yaml_find(root, sections[k]) != NULL)
+            return sections[k];
+    return NULL;
+}
+
 /* Puts the values of the overrides into the tree, as if they stood in the file. */
 static void apply_sets(cns_yaml_node *root, cns_faults *faults, const char *const *sets, int n_sets)
 {
@@ -85,6 +108,9 @@ cns_code cns_case_parse(const char *name, const char *text, size_t length, const
     cns_sha256_hex(c->sha256, text, length);
     c->overrides = join_lines(sets, n_sets);
     if (root != NULL && root->kind == CNS_YAML_MAPPING) {
+        c->replaced = replaced_section(root, sets, n_sets);
+        if (c->replaced != NULL)
+            cns_yaml_remove(root, c->replaced);
         apply_sets(root, &r.faults, sets, n_sets);
         r.c = c;
         r.root = root;

@@ -175,7 +175,8 @@ void cns_case_print_keys(FILE *out)
                     standard != NULL ? standard : "");
         fputc('\n', out);
     }
-    fputs("\n`run` needs `goal` or `numerics`, never both. In a list of columns, `t` is the time; `decimals` "
+    fputs("\n`run` needs `goal` or `numerics`, never both: on the command line, `--set` of the one replaces "
+          "the other. In a list of columns, `t` is the time; `decimals` "
           "and "
           "`growth` are always printed, last.\n",
           out);

@@ -45,6 +45,12 @@ static cns_mark key_place(const cns_case_reader *r, cns_key_id id)
     return node_of(r, key(id))->key_mark;
 }
 
+/* Was the section begun on the command line, as when it takes the place of another one? */
+static bool begun_by_override(const cns_case_reader *r, cns_key_id section)
+{
+    return key_place(r, section).set >= 0;
+}
+
 static void require(cns_case_reader *r, cns_key_id id)
 {
     const cns_key *k = key(id);
@@ -108,7 +114,8 @@ static void goal(cns_case_reader *r)
         return;
     if (!present(r, asked))
         cns_faults_add(&r->faults, key_place(r, K_GOAL),
-                       "missing key in 'goal': 'decimals' or 'significant'");
+                       "missing key in 'goal': 'decimals' or 'significant'%s",
+                       begun_by_override(r, K_GOAL) ? "; add --set goal.decimals=10" : "");
     else if (significant && present(r, K_GOAL_DECIMALS))
         cns_faults_add(&r->faults, key_place(r, asked),
                        "'goal' takes either 'decimals' or 'significant', not both");
@@ -133,6 +140,25 @@ static void no_digits_in_double(cns_case_reader *r, cns_key_id id)
                    "'digits' does not go with 'arithmetic: double', which has its own 53 bits");
 }
 
+/* Keys without which the numerics are not known: each where it is missing in a file, and all at once, with
+ * what to type, on a command line. */
+static void missing_numerics(cns_case_reader *r, bool digits, bool step)
+{
+    if (begun_by_override(r, K_NUMERICS)) {
+        if (digits || step)
+            cns_faults_add(&r->faults, key_place(r, K_NUMERICS), "missing in 'numerics': %s%s%s; add%s%s",
+                           digits ? "'digits'" : "", digits && step ? " and " : "",
+                           step ? "a fixed 'step'" : "", digits ? " --set numerics.digits=40" : "",
+                           step ? " --set numerics.step=1e-3" : "");
+        return;
+    }
+    if (digits)
+        require(r, K_NUMERICS_DIGITS);
+    if (step)
+        cns_faults_add(&r->faults, place_of(r, K_NUMERICS_STEP),
+                       "'method: rk4' needs a fixed 'step', such as 1e-3");
+}
+
 static void numerics(cns_case_reader *r)
 {
     cns_numerics *n = &r->c->numerics;
@@ -147,10 +173,10 @@ static void numerics(cns_case_reader *r)
     const bool in_double = known && n->arithmetic == CNS_ARITH_DOUBLE;
     if (in_double && present(r, K_NUMERICS_DIGITS))
         no_digits_in_double(r, K_NUMERICS_DIGITS);
-    if (known && !in_double)
-        require(r, K_NUMERICS_DIGITS);
+    missing_numerics(r, known && method_known && !in_double && !present(r, K_NUMERICS_DIGITS),
+                     n->method == CNS_METHOD_RK4 && !present(r, K_NUMERICS_STEP));
     if (n->method == CNS_METHOD_RK4) {
-        if (!present(r, K_NUMERICS_STEP) || (given(r, K_NUMERICS_STEP) && !fixed_step))
+        if (given(r, K_NUMERICS_STEP) && !fixed_step)
             cns_faults_add(&r->faults, place_of(r, K_NUMERICS_STEP),
                            "'method: rk4' needs a fixed 'step', such as 1e-3");
         if (known && n->arithmetic == CNS_ARITH_FAST)

@@ -130,6 +130,20 @@ cns_yaml_node *cns_yaml_find(const cns_yaml_node *mapping, const char *key)
     return NULL;
 }
 
+void cns_yaml_remove(cns_yaml_node *mapping, const char *key)
+{
+    cns_yaml_node *kept = mapping->first;
+    mapping->first = mapping->last = NULL;
+    for (cns_yaml_node *child = kept, *next; child != NULL; child = next) {
+        next = child->next;
+        child->next = NULL;
+        if (strcmp(child->key, key) == 0)
+            cns_yaml_free(child);
+        else
+            append(mapping, child);
+    }
+}
+
 /* Makes a node an empty one of another kind. Its key, and its place among its siblings, stay. */
 static void reset_node(cns_yaml_node *node, cns_yaml_kind kind, cns_mark mark)
 {

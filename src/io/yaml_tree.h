@@ -65,6 +65,8 @@ void cns_yaml_free(cns_yaml_node *node);
 
 cns_yaml_node *cns_yaml_find(const cns_yaml_node *mapping, const char *key); /* NULL: not there */
 
+void cns_yaml_remove(cns_yaml_node *mapping, const char *key); /* every child of this key */
+
 /* Puts a value at the path (keys joined by points), making mappings on the way and replacing the whole of
  * what stood there. The value is what may stand behind `key: ` on one line of a file; faults in it are those
  * of override number `set`. False when the path is malformed or too deep. */

@@ -273,3 +273,36 @@ $ cat > a.yaml; cns check a.yaml > b.yaml
 | time: {end: 300, every: 0.5}
 | goal: {decimals: 10}
 | lyapunov: {time: 20000, arithmetic: double}
+
+= from a goal to numerics and back on the command line: the one replaces the other, and a note says so
+$ cat > g.yaml; sed 's/^goal.*/numerics: {digits: 20}/' g.yaml > n.yaml
+$ cns run g.yaml --set numerics.digits=20 | grep '^[0-9]' > a; cns run -q n.yaml | grep '^[0-9]' | cmp - a
+$ cns run n.yaml --set goal.decimals=5 2> notes | grep '^[0-9]' > a; cns run -q g.yaml | grep '^[0-9]' | cmp - a; head -n 1 notes
+$ cns check -q g.yaml --set numerics.digits=20; cns check g.yaml --set 'numerics={digits: 20}' 2> /dev/null | grep -c goal || true
+| model: lorenz
+| initial: {x: 1}
+| time: {end: 1}
+| goal: {decimals: 5}
+> cns: --set goal... replaces 'numerics' of n.yaml
+> 0
+2> cns: --set numerics... replaces 'goal' of g.yaml
+
+= what the new section lacks is said in one message, with what to type
+$ cat > g.yaml; sed 's/^goal.*/numerics: {digits: 20}/' g.yaml > n.yaml
+$ cns run g.yaml --set numerics.method=rk4 || cns run g.yaml --set numerics.arithmetic=mpfr || cns run n.yaml --set goal.max_time=5
+| model: lorenz
+| initial: {x: 1}
+| time: {end: 1}
+| goal: {decimals: 5}
+2> --set numerics.method=rk4: missing in 'numerics': 'digits' and a fixed 'step'; add --set numerics.digits=40 --set numerics.step=1e-3
+2> --set numerics.arithmetic=mpfr: missing in 'numerics': 'digits'; add --set numerics.digits=40
+2> --set goal.max_time=5: missing key in 'goal': 'decimals' or 'significant'; add --set goal.decimals=10
+? 2
+
+= overrides of both are a contradiction
+$ cat > g.yaml; cns run g.yaml --set goal.decimals=6 --set numerics.digits=20
+| model: lorenz
+| time: {end: 1}
+| goal: {decimals: 5}
+2> --set numerics.digits=20: 'goal' and 'numerics' exclude each other: keep one
+? 2
