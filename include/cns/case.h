@@ -17,6 +17,7 @@
 #include "cns/study/bisect.h"
 #include "cns/study/laws.h"
 #include "cns/study/lyapunov.h"
+#include "cns/study/orbit.h"
 
 CNS_BEGIN_DECLS
 
@@ -40,9 +41,11 @@ typedef struct cns_case {
     bool has_goal, has_numerics; /* never both */
     cns_goal goal;
     cns_numerics numerics;
-    bool has_laws, has_lyapunov, has_bisect; /* is there such a section? laws and lyapunov have defaults */
+    bool has_laws, has_lyapunov, has_orbit,
+        has_bisect; /* is there such a section? laws and lyapunov have defaults */
     cns_laws_spec laws;
     cns_lyapunov_spec lyapunov;
+    cns_orbit_spec orbit;
     cns_bisect_spec bisect;
     int n_columns;
     cns_column *columns;

@@ -33,7 +33,7 @@
  *     study/tc.h           how long a run can be trusted;  study/laws.h  against digits, step and smoothing
  *     study/compare.h      two tables
  *     study/lyapunov.h     Lyapunov exponents
- *     study/equilibria.h   fixed points
+ *     study/equilibria.h   fixed points;  study/orbit.h  periodic orbits
  *     study/classify.h     the mode of a motion;  study/sweep.h  for each value of a parameter;
  *     study/bisect.h       the value at which it changes
  *     version.h
@@ -61,6 +61,7 @@
 #include "cns/study/equilibria.h"
 #include "cns/study/laws.h"
 #include "cns/study/lyapunov.h"
+#include "cns/study/orbit.h"
 #include "cns/study/sweep.h"
 #include "cns/study/tc.h"
 #include "cns/system.h"

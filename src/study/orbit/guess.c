@@ -1,0 +1,209 @@
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/memory.h"
+#include "core/monitor.h"
+#include "integrate/trajectory.h"
+#include "num/vector.h"
+#include "orbit.h"
+#include "study/modes/cycle.h"
+#include "study/modes/returns.h"
+
+enum {
+    DIGITS = CNS_ORBIT_FIRST_DIGITS,
+    RECURRENCES = 4000, /* returns that are looked through for one that repeats, after */
+    TRANSIENT = 200,    /* so many */
+    CANDIDATES = 12,    /* the best of them, from which Newton's method starts */
+    MOST_STEPS = 400000
+};
+
+/* The state whose rate of change, in scales, is the largest: there the orbit crosses its section best. */
+static cns_code steepest(cns_loop *l, const mpfr_t *u, cns_error *err)
+{
+    const cns_shooting_spec spec = {.system = l->system, .digits = DIGITS, .tangents = true, .stop = l->stop};
+    cns_shooting s;
+    double most = -1;
+    mpfr_t soon;
+    mpfr_init2(soon, 64);
+    mpfr_mul_2si(soon, u[l->d], -20, MPFR_RNDN);
+    cns_code code = cns_shooting_open(&s, &spec, err);
+    if (!code)
+        code = cns_shooting_run(&s, u, soon, err);
+    for (int k = 0; k < l->d && !code; k++) {
+        const double rate = fabs(mpfr_get_d(s.f[k], MPFR_RNDN)) / cns_system_scales(l->system)[l->index[k]];
+        if (rate > most) {
+            most = rate;
+            l->held = k;
+        }
+    }
+    cns_shooting_close(&s);
+    mpfr_clear(soon);
+    return code;
+}
+
+static cns_code from_case(cns_loop *l, const cns_orbit_spec *spec, mpfr_t *u, cns_error *err)
+{
+    const cns_number *initial = cns_system_initial(l->system);
+    cns_code code = CNS_OK;
+    for (int k = 0; k < l->d; k++)
+        cns_number_get_mpfr(u[k], &initial[l->index[k]]);
+    cns_number_get_mpfr(u[l->d], &spec->period);
+    l->held = -1;
+    for (int k = 0; k < l->d; k++)
+        if (l->index[k] == spec->section)
+            l->held = k;
+    if (l->held < 0 && spec->section >= 0)
+        return cns_fail(err, CNS_USAGE, "nothing feeds back on state '%s': it cannot be held",
+                        cns_system_model(l->system)->states[spec->section].name);
+    if (l->held < 0)
+        code = steepest(l, u, err);
+    if (!code)
+        cns_number_set(&l->held_value, &initial[l->index[l->held]]);
+    return code;
+}
+
+/* Takes a cycle of the return map as the guess. */
+static void take(cns_loop *l, const cns_return_map *S, const cns_cycle *c, mpfr_t *u)
+{
+    for (int k = 0; k < l->d; k++) {
+        mpfr_set(u[k], c->z[k], MPFR_RNDN);
+        if (l->index[k] == S->section.state)
+            l->held = k;
+    }
+    cns_number_set(&l->held_value, &S->section.value);
+    mpfr_set(u[l->d], c->time, MPFR_RNDN);
+}
+
+static cns_code newton(cns_loop *l, const cns_return_map *S, const mpfr_t *z, int returns, int direction,
+                       mpfr_t *u, cns_error *err)
+{
+    cns_cycle c;
+    cns_code code = cns_cycle_find(S, z, returns, direction, DIGITS, &c, err);
+    if (!code)
+        take(l, S, &c, u);
+    cns_cycle_clear(&c);
+    return code;
+}
+
+/* The returns of a motion in double. */
+typedef struct history {
+    int n, d;
+    double *z; /* reduced states */
+    int *direction;
+} history;
+
+static cns_code follow(const cns_return_map *S, history *h, cns_error *err)
+{
+    const cns_trajectory_spec spec = {.flow = cns_return_map_flow(S, S->program, S->scales, 0),
+                                      .initial = cns_system_initial(S->system),
+                                      .no_growth = true,
+                                      .conditions = &S->section,
+                                      .n_conditions = 1};
+    cns_trajectory *t = cns_trajectory_new(&spec, err);
+    cns_code code = t != NULL ? CNS_OK : err->code;
+    long seen = 0;
+    *h = (history){.d = S->d,
+                   .z = cns_xalloc((size_t)(RECURRENCES * S->d), sizeof *h->z),
+                   .direction = cns_xalloc(RECURRENCES, sizeof *h->direction)};
+    for (long step = 0; !code && step < MOST_STEPS && h->n < RECURRENCES; step++) {
+        code = cns_trajectory_step(t, err);
+        const cns_meetings *meetings = cns_trajectory_meetings(t);
+        for (int k = 0; !code && k < cns_meetings_count(meetings) && h->n < RECURRENCES; k++) {
+            const cns_meeting *m = cns_meetings_meeting(meetings, k);
+            if (!cns_return_map_counts(S, m, 0) || seen++ < TRANSIENT)
+                continue;
+            for (int i = 0; i < S->d; i++)
+                h->z[h->n * S->d + i] = S->index[i] == S->section.state
+                                            ? 0
+                                            : cns_return_map_sign(S, i, m->k, m->direction) *
+                                                  mpfr_get_d(m->state[S->index[i]], MPFR_RNDN);
+            h->direction[h->n++] = m->direction;
+        }
+    }
+    cns_trajectory_free(t);
+    return code;
+}
+
+static double gap(const cns_return_map *S, const history *h, int a, int b)
+{
+    double largest = 0;
+    for (int i = 0; i < h->d; i++)
+        largest = fmax(largest, fabs(h->z[a * h->d + i] - h->z[b * h->d + i]) / S->scales[S->index[i]]);
+    return largest;
+}
+
+/* A cycle of so many returns that the motion comes near to: Newton's method from where it best repeats itself
+ * after so many. */
+static cns_code near_cycle(cns_loop *l, const cns_return_map *S, int returns, mpfr_t *u, cns_error *err)
+{
+    history h;
+    bool found = false;
+    cns_code code = follow(S, &h, err);
+    mpfr_t *z = cns_vector_xnew(S->d, cns_modes_bits(DIGITS));
+    double last = -1;
+    for (int try = 0; try < CANDIDATES && !code && !found; try++) {
+        int best = -1;
+        double least = HUGE_VAL;
+        for (int j = 0; j + returns < h.n; j++) {
+            const double g = gap(S, &h, j, j + returns);
+            if (g > last && g < least) {
+                least = g;
+                best = j;
+            }
+        }
+        if (best < 0)
+            break;
+        last = least;
+        for (int i = 0; i < S->d; i++)
+            mpfr_set_d(z[i], h.z[best * S->d + i], MPFR_RNDN);
+        const bool mirrors = S->motion != NULL && S->motion->mirror_sign != NULL;
+        cns_error ignored;
+        const cns_code tried = newton(l, S, z, returns, mirrors ? 1 : h.direction[best], u, &ignored);
+        found = !tried;
+        if (tried && tried != CNS_UNREACHED && tried != CNS_NUMERIC)
+            code = cns_fail(err, tried, "%s", ignored.text);
+    }
+    cns_vector_free(z);
+    free(h.z);
+    free(h.direction);
+    if (!code && !found)
+        code = cns_fail(err, CNS_NUMERIC,
+                        "no cycle of %d returns was found near the motion; a guess with its period may help",
+                        returns);
+    return code;
+}
+
+static cns_code from_motion(cns_loop *l, const cns_orbit_spec *spec, mpfr_t *u, const cns_monitor *monitor,
+                            cns_error *err)
+{
+    cns_return_map S;
+    cns_late late = {0};
+    cns_monitor_tell(monitor, 0, "following the motion");
+    cns_code code = cns_return_map_open(&S, l->system, -1, 0, l->stop, err);
+    if (!code)
+        code = cns_late_find(&S, 0, 0, &late, err);
+    if (code) {
+    } else if (late.kind == CNS_LATE_STEADY) {
+        code = cns_fail(err, CNS_NUMERIC,
+                        "the motion comes to rest; another orbit needs a guess with its period");
+    } else if (late.kind == CNS_LATE_CYCLE && (spec->returns == 0 || spec->returns == late.returns)) {
+        code = newton(l, &S, (const mpfr_t *)late.z, late.returns, late.direction, u, err);
+    } else {
+        code = near_cycle(l, &S, spec->returns > 0 ? (int)spec->returns : 1, u, err);
+    }
+    cns_late_clear(&late);
+    cns_return_map_close(&S);
+    return code;
+}
+
+cns_code cns_orbit_guess(cns_loop *l, const cns_orbit_spec *spec, mpfr_t *u, const cns_monitor *monitor,
+                         cns_error *err)
+{
+    if (cns_number_sign(&spec->period) > 0)
+        return from_case(l, spec, u, err);
+    if (spec->section >= 0)
+        return cns_fail(err, CNS_USAGE,
+                        "the section of the late motion is chosen; one of your own goes with "
+                        "a guess, and its period");
+    return from_motion(l, spec, u, monitor, err);
+}
