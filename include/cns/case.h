@@ -36,6 +36,7 @@ typedef struct cns_case {
     cns_number *parameters; /* model->n_parameters */
     cns_number *initial;    /* model->n_states */
     cns_number end, every;  /* > 0 */
+    double max_time;        /* seconds after which to stop; 0: no limit */
     bool smooth;            /* abs: {smooth: eps} */
     cns_number eps;
     bool has_goal, has_numerics; /* never both */

@@ -77,6 +77,6 @@ const cns_command cns_command_bisect = {
         "found by secants of rising precision. Both ends of the last bracket are probed twice, with "
         "different digits, orders and steps. With -o DIR every probe is kept there, and the same command "
         "goes on where it was stopped.\n",
-    .options = CNS_TAKES(CNS_OPTION_OUTPUT_DIR, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_THREADS,
-                         CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
+    .options = CNS_TAKES(CNS_OPTION_OUTPUT_DIR, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_MAX_TIME,
+                         CNS_OPTION_THREADS, CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
 };

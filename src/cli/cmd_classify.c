@@ -243,5 +243,6 @@ const cns_command cns_command_classify = {
         "With --sweep it does so for many values of a parameter, on all cores, and prints a table; with -o "
         "DIR every finished value is kept in DIR, and none is computed again.\n",
     .options = CNS_TAKES(CNS_OPTION_OUTPUT_DIR, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_UNTIL_LIMIT,
-                         CNS_OPTION_SWEEP, CNS_OPTION_OBSERVABLE, CNS_OPTION_THREADS, CNS_OPTION_QUIET),
+                         CNS_OPTION_SWEEP, CNS_OPTION_OBSERVABLE, CNS_OPTION_MAX_TIME, CNS_OPTION_THREADS,
+                         CNS_OPTION_QUIET),
 };

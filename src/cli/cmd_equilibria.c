@@ -89,5 +89,6 @@ const cns_command cns_command_equilibria = {
         "Fixed points of the states that feed back, such as the ways in which a disk can fall steadily, "
         "with the eigenvalues of the equations linearised there. All digits are proven in ball arithmetic. "
         "Only the case's model, parameters and abs matter.\n",
-    .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_DIGITS, CNS_OPTION_QUIET),
+    .options =
+        CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_DIGITS, CNS_OPTION_MAX_TIME, CNS_OPTION_QUIET),
 };

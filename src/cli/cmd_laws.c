@@ -210,6 +210,6 @@ const cns_command cns_command_laws = {
         "of slopes allow for the fluctuation of growth, which all runs share. Runs stop by themselves; "
         "`time: end` is only where to give up, `time: every` the rows. With -o DIR every run is kept, and "
         "the same command does what is missing.\n",
-    .options = CNS_TAKES(CNS_OPTION_OUTPUT_DIR, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_THREADS,
-                         CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
+    .options = CNS_TAKES(CNS_OPTION_OUTPUT_DIR, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_MAX_TIME,
+                         CNS_OPTION_THREADS, CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
 };

@@ -255,6 +255,6 @@ const cns_command cns_command_lyapunov = {
         "dimension and, as a check, the sum of all exponents and the mean trace of the Jacobian.\n"
         "Where the rate of growth changes once, what was before is left out. Where it changes again, or "
         "varies over longer than the batches that give the error, there is no figure: exit status 1.\n",
-    .options = CNS_TAKES(CNS_OPTION_OUTPUT_FILE, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_QUIET,
-                         CNS_OPTION_VERBOSE),
+    .options = CNS_TAKES(CNS_OPTION_OUTPUT_FILE, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_MAX_TIME,
+                         CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
 };

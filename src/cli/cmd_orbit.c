@@ -119,5 +119,5 @@ const cns_command cns_command_orbit = {
     .most = 1,
     .summary = "a periodic orbit, its period and Floquet multipliers",
     .details = "A periodic orbit.\n",
-    .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_QUIET),
+    .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_MAX_TIME, CNS_OPTION_QUIET),
 };

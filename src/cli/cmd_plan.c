@@ -110,6 +110,7 @@ const cns_command cns_command_plan = {
     .name = "plan",
     .run = run,
     .opens = CNS_OPENS_SYSTEM,
+    .limits = true,
     .operands = "CASE",
     .least = 1,
     .most = 1,
@@ -120,5 +121,5 @@ const cns_command cns_command_plan = {
         "of a machine with nothing else to do. CASE may have `goal`, `numerics` or neither; what is left "
         "out: the case's end and goal, or 10 decimals.\n",
     .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_UNTIL_TIME, CNS_OPTION_DECIMALS,
-                         CNS_OPTION_THREADS, CNS_OPTION_QUIET),
+                         CNS_OPTION_MAX_TIME, CNS_OPTION_THREADS, CNS_OPTION_QUIET),
 };

@@ -123,7 +123,9 @@ static void tell_kept(cns_context *cx, const char *by, const char *kept, bool an
     else
         snprintf(what, sizeof what,
                  any_rows && !cx->o->yaml ? "the rows up to there are printed" : "nothing is kept");
-    if (by != NULL)
+    if (by != NULL && cns_signal_status() == CNS_UNREACHED)
+        cns_complain(CNS_OK, "stopped by %s; %s; the same command begins anew", by, what);
+    else if (by != NULL)
         cns_note(cx, "stopped by %s; %s; the same command begins anew", by, what);
     /* Rows that are not where they will be looked for: that is part of the message. */
     if (elsewhere && (by == NULL || cx->o->quiet))
@@ -141,7 +143,7 @@ static int close_outputs(run_context *r, const cns_result *result, cns_code code
                stopped = code == CNS_STOPPED && !gone;
     cns_meter_clear(&cx->meter);
     int status = gone      ? CNS_STOPPED + SIGPIPE
-                 : stopped ? CNS_STOPPED + (int)cns_signal_stop
+                 : stopped ? cns_signal_status()
                  : code    ? cns_complain(code, "%s", err->text)
                            : 0;
     code = CNS_OK;
@@ -204,6 +206,7 @@ const cns_command cns_command_run = {
     .name = "run",
     .run = run,
     .opens = CNS_OPENS_SYSTEM,
+    .limits = true,
     .operands = "CASE",
     .least = 1,
     .most = 1,
@@ -219,6 +222,6 @@ const cns_command cns_command_run = {
         "a maximum -1), 0 where the state only touches. Nothing at the start counts. For the events alone: "
         "-o /dev/null.\n",
     .options = CNS_TAKES(CNS_OPTION_OUTPUT_FILE, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_PROVE,
-                         CNS_OPTION_EVENTS, CNS_OPTION_SECTION, CNS_OPTION_THREADS, CNS_OPTION_QUIET,
-                         CNS_OPTION_VERBOSE),
+                         CNS_OPTION_EVENTS, CNS_OPTION_SECTION, CNS_OPTION_MAX_TIME, CNS_OPTION_THREADS,
+                         CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
 };

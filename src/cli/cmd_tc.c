@@ -152,5 +152,5 @@ const cns_command cns_command_tc = {
         "stays far below delta. delta is `laws: delta` of the case, unless --delta gives another. Where "
         "`laws: observable` names a state, the run ends at its T_c, and no other is printed.\n",
     .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_DELTA, CNS_OPTION_REFERENCE_DIGITS,
-                         CNS_OPTION_THREADS, CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
+                         CNS_OPTION_MAX_TIME, CNS_OPTION_THREADS, CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
 };

@@ -9,9 +9,10 @@ typedef struct cns_command {
     const char *name;
     int (*run)(cns_context *cx); /* an exit status */
     cns_opens opens;             /* of the context */
-    bool reads;                  /* the operands are files that it reads; always, if it opens the case */
-    const char *operands;        /* as shown in the usage */
-    int least, most;             /* how many operands */
+    bool limits;          /* it keeps to the limit of time of a goal; else that raises the monitor's stop */
+    bool reads;           /* the operands are files that it reads; always, if it opens the case */
+    const char *operands; /* as shown in the usage */
+    int least, most;      /* how many operands */
     const char *summary;
     const char *details; /* for `cns help NAME`, a line for each paragraph; NULL: the summary says it all */
     /* Those that it takes besides --help and --version, in the order of the help: CNS_TAKES, or NULL. */

@@ -1,9 +1,11 @@
 #include "context.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <unistd.h>
 
 #include "arith/fast.h"
+#include "commands.h"
 #include "core/clock.h"
 #include "core/text.h"
 #include "outputs.h"
@@ -43,6 +45,19 @@ static int open_case(cns_context *cx)
     return (int)code;
 }
 
+/* A run with a goal, and its plan, keep to a limit by themselves; all else is stopped. */
+static void limit_time(cns_context *cx)
+{
+    cns_case *c = cx->c;
+    const double limit = cx->o->max_time > 0 ? cx->o->max_time : c->max_time;
+    if (!(limit > 0))
+        return;
+    if (cx->o->command->limits && !c->has_numerics)
+        c->goal.max_time = c->goal.max_time > 0 ? fmin(c->goal.max_time, limit) : limit;
+    else
+        cns_signals_limit(limit);
+}
+
 static int open_system(cns_context *cx)
 {
     const cns_case *c = cx->c;
@@ -63,6 +78,7 @@ static int open_system(cns_context *cx)
                                 .n_columns = c->n_columns,
                                 .monitor = &cx->monitor};
     cns_context_watch(cx);
+    limit_time(cx);
     return 0;
 }
 
@@ -85,17 +101,19 @@ void cns_context_close(cns_context *cx)
 /* Where a study was stopped, what there is of it, and how to go on. */
 static void tell_stop(cns_context *cx)
 {
-    char where[sizeof cx->what + 32] = "";
+    char where[sizeof cx->what + 32] = "", kept[400];
     const char *printed = cx->shown ? "; what was found so far is printed" : "";
     if (cx->what[0] != '\0')
         snprintf(where, sizeof where, " at %.0f %% (%s)", 100 * cx->fraction, cx->what);
     if (cx->in_parts && cx->o->output != NULL)
-        cns_note(cx,
-                 "stopped by %s%s%s; what is finished is kept in %.300s: the same command goes on from there",
-                 cns_signal_text(), where, printed, cx->o->output);
+        snprintf(kept, sizeof kept, "what is finished is kept in %.300s: the same command goes on from there",
+                 cx->o->output);
     else
-        cns_note(cx, "stopped by %s%s%s; nothing is kept: the same command begins anew%s", cns_signal_text(),
-                 where, printed, cx->in_parts ? ", with -o DIR it would go on" : "");
+        snprintf(kept, sizeof kept, "nothing is kept: the same command begins anew%s",
+                 cx->in_parts ? ", with -o DIR it would go on" : "");
+    cns_meter_clear(&cx->meter);
+    if (!cx->o->quiet || cns_signal_status() == CNS_UNREACHED) /* who sends a signal knows of it */
+        cns_complain(CNS_OK, "stopped by %s%s%s; %s", cns_signal_text(), where, printed, kept);
 }
 
 int cns_context_status(cns_context *cx, cns_code code, const cns_error *err)
@@ -103,7 +121,7 @@ int cns_context_status(cns_context *cx, cns_code code, const cns_error *err)
     cns_meter_clear(&cx->meter);
     if (code == CNS_STOPPED) {
         tell_stop(cx);
-        return CNS_STOPPED + (int)cns_signal_stop;
+        return cns_signal_status();
     }
     return code ? cns_complain(code, "%s", err->text) : 0;
 }

@@ -30,7 +30,7 @@ typedef struct cns_options {
         *observable;                                  /* TEXT; NAME and WRITTEN, not empty; NULL: not given */
     const char *delta;                                /* RATIONAL: a number > 0, no multiple of pi */
     long threads, reference_digits, decimals, digits; /* INTEGER: in its range; 0: not given */
-    double seconds;                                   /* POSITIVE: > 0; 0: not given */
+    double seconds, max_time;                         /* POSITIVE: > 0; 0: not given */
     cns_texts sets, sections;                         /* LIST */
 } cns_options;
 

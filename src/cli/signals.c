@@ -1,7 +1,11 @@
 #include "signals.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <sys/resource.h>
+#include <sys/time.h>
 
+#include "cns/status.h"
 #include "core/files.h"
 
 volatile sig_atomic_t cns_signal_stop;
@@ -70,8 +74,37 @@ void cns_signals_catch(void)
     }
 }
 
+static char limit_text[64];
+
+static void on_limit(int number)
+{
+    if (cns_signal_stop == 0)
+        cns_signal_stop = number;
+}
+
+void cns_signals_limit(double seconds)
+{
+    const struct sigaction action = {.sa_handler = on_limit, .sa_flags = SA_RESTART};
+    const double whole = floor(seconds);
+    const struct itimerval timer = {
+        .it_value = {.tv_sec = (time_t)whole, .tv_usec = (suseconds_t)((seconds - whole) * 1e6)}};
+    snprintf(limit_text, sizeof limit_text, "max_time of %g s", seconds);
+    sigaction(SIGALRM, &action, NULL);
+    if (seconds < 1e-6) /* which would set no timer */
+        on_limit(SIGALRM);
+    else
+        setitimer(ITIMER_REAL, &timer, NULL);
+}
+
+int cns_signal_status(void)
+{
+    return cns_signal_stop == SIGALRM ? CNS_UNREACHED : CNS_STOPPED + (int)cns_signal_stop;
+}
+
 const char *cns_signal_text(void)
 {
+    if (cns_signal_stop == SIGALRM)
+        return limit_text;
     for (size_t i = 0; i < sizeof caught / sizeof *caught; i++)
         if (caught[i].number == cns_signal_stop)
             return caught[i].text;

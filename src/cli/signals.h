@@ -18,7 +18,13 @@ void cns_signals_catch(void);
 /* 0, or the signal that came last of those that stop. */
 extern volatile sig_atomic_t cns_signal_stop;
 
-/* "signal INT (Ctrl-C)" for the one that came. */
+/* Raises cns_signal_stop, with SIGALRM, when so many seconds have passed: the limit `max_time`. */
+void cns_signals_limit(double seconds);
+
+/* "signal INT (Ctrl-C)" for the one that came, "max_time of 5 s" for the limit. */
 const char *cns_signal_text(void);
+
+/* The exit status of what was stopped: 128 + the signal, or for the limit CNS_UNREACHED. */
+int cns_signal_status(void);
 
 #endif
