@@ -189,8 +189,9 @@ END_TEST
 
 START_TEST(refuses_with_a_place)
 {
-    bad("", "t:1:1: the file is empty");
-    bad("# only a comment\n", "t:1:1: the file is empty");
+    bad("", "t:1:1: the file is empty, or all comments; `cns help case` lists what a case file says");
+    bad("# only a comment\n",
+        "t:1:1: the file is empty, or all comments; `cns help case` lists what a case file says");
     bad("word\n", "t:1:1: a case file is a mapping of keys to values, not a single value");
     bad("- a\n", "t:1:1: a case file is a mapping of keys to values, not a list");
     bad("{}\n", "t:1:1: missing key 'model'\nt:1:1: missing key 'time'");
@@ -198,7 +199,8 @@ START_TEST(refuses_with_a_place)
     bad("modle: lorenz\ntime: {end: 1}\n", "t:1:1: unknown key 'modle'; did you mean 'model'?");
     bad("model: lorenz\ntime: {every: 1}\n", "t:2:1: missing key 'end' in 'time': a number > 0");
     bad("model: lorenz\ntime:\n", "t:2:6: 'time' has no value; it must be a mapping of keys to values");
-    bad("model: lorenz\ntime: 5\n", "t:2:7: 'time' must be a mapping of keys to values, not a single value");
+    bad("model: lorenz\ntime: 5\n",
+        "t:2:7: 'time' must be a mapping of keys to values: write 'time: {end: 5}'");
     bad("model: lorenz\ntime: {end: [1]}\n", "t:2:13: 'end' in 'time' must be a number > 0, not a list");
     bad("model: lorenz\ntime: {end: 0}\n", "t:2:13: 'end' in 'time' must be a number > 0, not '0'");
     bad("model: lorenz\ntime: {end: 1, every: 1e-8}\n",
@@ -218,7 +220,7 @@ START_TEST(refuses_with_a_place)
         "t:3:23: column 'growth' is always printed, last; leave it out");
     bad(MINIMAL "output: {columns: []}\n",
         "t:3:19: 'columns' in 'output' must be a list of names, such as [t, x]");
-    bad(MINIMAL "laws: 3\n", "t:3:7: 'laws' must be a mapping of keys to values, not a single value");
+    bad(MINIMAL "laws: 3\n", "t:3:7: 'laws' must be a mapping of keys to values: write 'laws: {delta: 3}'");
 }
 END_TEST
 
@@ -248,7 +250,8 @@ START_TEST(refuses_numerics)
     bad(MINIMAL "numerics: {digits: 100001}\n",
         "t:3:20: 'digits' in 'numerics' must be an integer from 1 to 100000, not '100001'");
     bad(MINIMAL "numerics: {digits: 20, arithmetic: quad}\n",
-        "t:3:36: 'arithmetic' in 'numerics' must be fast, mpfr or double, not 'quad'");
+        "t:3:36: 'arithmetic' in 'numerics' must be fast, mpfr or double, not 'quad'; fast and mpfr "
+        "compute with as many 'digits' as asked for");
     bad(MINIMAL "numerics: {method: rk4, digits: 20, arithmetic: fast, step: 1e-3}\n",
         "t:3:49: 'method: rk4' computes in mpfr or double");
     bad(MINIMAL "numerics: {digits: 20, order: full}\n",
@@ -279,7 +282,7 @@ START_TEST(refuses_what_yaml_allows)
     bad("model: lorenz\ntime:\n  end: 1\n  end: 2\n",
         "t:4:3: doubled key 'end' in 'time'; it is already on line 3");
     bad(MINIMAL "[a]: 1\n", "t:3:1: a key must be a word");
-    bad("model: lor\xffnz\n", "t:1:11: byte 0xFF is not UTF-8 text");
+    bad("model: lor\xffnz\n", "t:1:11: byte 0xFF is not UTF-8 text; save the file as UTF-8");
     bad("model: lor\001nz\n", "t:1:11: control character 0x01; is this a text file?");
     bad("model: lorenz\ntime: {end: \"1\\0\"}\n", "t:2:13: a NUL character inside a text");
     bad(MINIMAL "goal: [[[[[[[[[[[[[[[[[[[[\n", "t:3:22: nested more than 16 deep; reading stops here");
@@ -383,7 +386,7 @@ START_TEST(refuses_overrides)
     bad_set(MINIMAL, "=1", "--set =1: write SECTION.KEY=VALUE, as in numerics.digits=80");
     bad_set(MINIMAL, "a..b=1", "--set a..b=1: write SECTION.KEY=VALUE, as in numerics.digits=80");
     bad_set(MINIMAL, "a.=1", "--set a.=1: write SECTION.KEY=VALUE, as in numerics.digits=80");
-    bad_set(MINIMAL, "time.end=1\n2", "--set time.end=1?2: not plain text in UTF-8");
+    bad_set(MINIMAL, "time.end=1\n2", "--set time.end=1?2: not one line of text in UTF-8 without tabs");
     bad_set(MINIMAL, "time.end=", "--set time.end=: 'end' in 'time' has no value; it must be a number > 0");
     bad_set(MINIMAL "goal: {decimals: 5}\n", "numerics.method=rk4",
             "--set numerics.method=rk4: missing in 'numerics': 'digits' and a fixed 'step'; add --set "
@@ -403,8 +406,10 @@ START_TEST(refuses_overrides)
             "--set initial={x: [1]}: 'x' in 'initial' must be a number, not a list");
     bad_set(MINIMAL, "initial=&a {x: 1}",
             "--set initial=&a {x: 1}: anchors and aliases are not accepted: '&a'");
-    bad_set(MINIMAL, "time.end=3: 4",
-            "--set time.end=3: 4: not YAML: mapping values are not allowed in this context");
+    bad_set(
+        MINIMAL, "time.end=3: 4",
+        "--set time.end=3: 4: not YAML: a second ': ' on one line; keys of a section stand in braces, as in "
+        "time: {end: 1}, or on lines of their own");
     bad("[\n", "t:2:1: not YAML: did not find expected node content, while parsing a flow node");
 }
 END_TEST

@@ -128,6 +128,14 @@ int cns_text_distance(const char *a, const char *b)
     return last[nb];
 }
 
+static size_t shared_beginning(const char *a, const char *b)
+{
+    size_t n = 0;
+    while (a[n] != '\0' && lower(a[n]) == lower(b[n]))
+        n++;
+    return n;
+}
+
 const char *cns_text_nearest(const char *s, int n, const char *(*name)(int i, const void *context),
                              const void *context)
 {
@@ -141,6 +149,15 @@ const char *cns_text_nearest(const char *s, int n, const char *(*name)(int i, co
             edits < (int)strlen(candidate)) {
             nearest = candidate;
             least_edits = edits;
+        }
+    }
+    size_t most = 2; /* shared first letters say nothing if they are fewer than three */
+    for (int i = 0; i < n && least_edits == INT_MAX; i++) {
+        const char *candidate = name(i, context);
+        const size_t length = strlen(s), whole = strlen(candidate), shared = shared_beginning(s, candidate);
+        if (shared > most && shared + 1 >= (length < whole ? length : whole)) {
+            nearest = candidate;
+            most = shared;
         }
     }
     return nearest;

@@ -26,8 +26,9 @@ void cns_text_make_printable(char *s);
  * than 63 bytes count as entirely different. */
 int cns_text_distance(const char *a, const char *b);
 
-/* The nearest of n names when it is near enough to be a likely meaning, else NULL. The first of equally
- * near ones wins. name(i, context) gives the names. */
+/* The nearest of n names when it is near enough to be a likely meaning, else the one that it abbreviates, as
+ * `out` does `output`, or goes on from, but for its last letter; else NULL. The first of equally near ones
+ * wins. name(i, context) gives the names. */
 const char *cns_text_nearest(const char *s, int n, const char *(*name)(int i, const void *context),
                              const void *context);
 

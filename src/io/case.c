@@ -54,7 +54,7 @@ static void apply_sets(cns_yaml_node *root, cns_faults *faults, const char *cons
         const cns_mark mark = {0, 0, i};
         const char *equals = strchr(sets[i], '=');
         if (!plain_text(sets[i])) {
-            cns_faults_add(faults, mark, "not plain text in UTF-8");
+            cns_faults_add(faults, mark, "not one line of text in UTF-8 without tabs");
             continue;
         }
         size_t path_length = equals != NULL ? (size_t)(equals - sets[i]) : 0;
@@ -95,6 +95,16 @@ static void for_numbers(cns_case *c, void (*act)(cns_number *))
             act(cns_key_field(k, c));
 }
 
+/* What a file is most likely that is a single value to YAML. */
+static const char *likely_file(const char *text)
+{
+    if (strchr(text, '=') != NULL)
+        return "; write 'key: value', with a colon and a space, not 'key = value'";
+    if (strchr(text, ':') != NULL)
+        return "; a space is missing after the colon, as in 'model: apw'";
+    return strchr(text, ',') != NULL ? "; is this a table? `cns help case` lists what a case file says" : "";
+}
+
 cns_code cns_case_parse(const char *name, const char *text, size_t length, const char *const *sets,
                         int n_sets, cns_case **result, char **report)
 {
@@ -119,8 +129,9 @@ cns_code cns_case_parse(const char *name, const char *text, size_t length, const
         cns_case_apply_rules(&r);
         free(r.seen);
     } else if (root != NULL) {
-        cns_faults_add(&r.faults, root->mark, "a case file is a mapping of keys to values, not %s",
-                       cns_yaml_kind_name(root->kind));
+        cns_faults_add(&r.faults, root->mark, "a case file is a mapping of keys to values, not %s%s",
+                       cns_yaml_kind_name(root->kind),
+                       root->kind == CNS_YAML_SCALAR ? likely_file(root->text) : "");
     }
     const bool out_of_memory = r.faults.out_of_memory;
     *report = out_of_memory ? cns_xcopy("out of memory") : cns_faults_report(&r.faults, c->name, sets);

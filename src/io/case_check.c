@@ -84,6 +84,21 @@ static void unknown_of_model(cns_case_reader *r, cns_mark mark, const char *what
 
 /* Nodes. */
 
+/* How to write the mapping that must have been meant by a single value or a list. */
+static cns_key_text mapping_meant(const cns_yaml_node *node)
+{
+    cns_key_text t = {"; keys and values stand in braces, as in {key: value}, or on lines of their own"};
+    const char *text = node->kind == CNS_YAML_SCALAR ? node->text : "";
+    const size_t name = strcspn(text, ":= ");
+    const char *value = text + name + strspn(text + name, " ");
+    if (name > 0 && *value == '=')
+        snprintf(t.text, sizeof t.text, "; write 'key: value', with a colon and a space, not '%s'",
+                 cns_quote(text).text);
+    else if (name > 0 && *value == ':' && value[1] != ' ' && value[1] != '\0')
+        snprintf(t.text, sizeof t.text, "; a space is missing after the colon in '%s'", cns_quote(text).text);
+    return t;
+}
+
 /* Is the node of this kind, and not empty? Else a fault that says what is wanted. */
 static bool is_a(cns_case_reader *r, const cns_yaml_node *node, cns_yaml_kind kind, const char *title,
                  const char *wanted)
@@ -91,8 +106,9 @@ static bool is_a(cns_case_reader *r, const cns_yaml_node *node, cns_yaml_kind ki
     if (node->kind == CNS_YAML_SCALAR && node->text[0] == '\0')
         cns_faults_add(&r->faults, node->mark, "%s has no value; it must be %s", title, wanted);
     else if (node->kind != kind)
-        cns_faults_add(&r->faults, node->mark, "%s must be %s, not %s", title, wanted,
-                       cns_yaml_kind_name(node->kind));
+        cns_faults_add(&r->faults, node->mark, "%s must be %s, not %s%s", title, wanted,
+                       cns_yaml_kind_name(node->kind),
+                       kind == CNS_YAML_MAPPING ? mapping_meant(node).text : "");
     else
         return true;
     return false;
@@ -107,9 +123,16 @@ static bool is_mapping(cns_case_reader *r, const cns_yaml_node *node, const char
 
 static bool refuse(cns_case_reader *r, const cns_key *k, const cns_yaml_node *node, const char *meant)
 {
+    const bool hint = meant == NULL && k->hint != NULL;
     cns_faults_add(&r->faults, node->mark, "%s must be %s, not '%s'%s%s%s", cns_key_title(k).text,
-                   cns_key_range(k).text, cns_quote(node->text).text, meant != NULL ? "; did you mean '" : "",
-                   meant != NULL ? meant : "", meant != NULL ? "'?" : "");
+                   cns_key_range(k).text, cns_quote(node->text).text,
+                   meant != NULL ? "; did you mean '"
+                   : hint        ? "; "
+                                 : "",
+                   meant != NULL ? meant
+                   : hint        ? k->hint
+                                 : "",
+                   meant != NULL ? "'?" : "");
     return false;
 }
 
@@ -165,7 +188,10 @@ static bool read_word(cns_case_reader *r, const cns_key *k, const cns_yaml_node 
 {
     name_set words = {0};
     add_words(&words, k);
-    return refuse(r, k, node, cns_text_nearest(node->text, words.count, name_at, &words));
+    const char *nearest = cns_text_nearest(node->text, words.count, name_at, &words);
+    const bool other = nearest != NULL && k->hint != NULL && cns_text_distance(node->text, nearest) > 0 &&
+                       strpbrk(node->text, "0123456789") != NULL; /* as rk45, which is no slip for rk4 */
+    return refuse(r, k, node, other ? NULL : nearest);
 }
 
 /* The name of a state or parameter; what names there are is not known without a model. */
@@ -227,6 +253,25 @@ static bool read_model(cns_case_reader *r, const cns_yaml_node *node)
     return false;
 }
 
+/* A name that is one of the model's, in a section where it is not known: the fault says where it belongs.
+ * False, and no fault: the model has no such name. */
+static bool name_of_model(cns_case_reader *r, const cns_yaml_node *node, const char *where)
+{
+    const cns_model *m = r->c->model;
+    name_set states = {0}, parameters = {0};
+    if (m == NULL)
+        return false;
+    add_states(&states, m);
+    add_parameters(&parameters, m);
+    const bool state = find_name(&states, node->key) >= 0;
+    if (!state && find_name(&parameters, node->key) < 0)
+        return false;
+    cns_faults_add(&r->faults, node->key_mark, "unknown key '%s'%s; a %s of model %s belongs in '%s'",
+                   node->key, where, state ? "state" : "parameter", m->name,
+                   state ? "initial" : "parameters");
+    return true;
+}
+
 /* `parameters` and `initial`: numbers by the names of the model. Without a model the numbers are still
  * checked, into nothing. */
 static bool read_numbers(cns_case_reader *r, const cns_key *k, const cns_yaml_node *section)
@@ -246,7 +291,7 @@ static bool read_numbers(cns_case_reader *r, const cns_key *k, const cns_yaml_no
         if (node->refused)
             continue;
         const int i = find_name(&known, node->key);
-        if (m != NULL && i < 0)
+        if (m != NULL && i < 0 && !name_of_model(r, node, parameters ? " in 'parameters'" : " in 'initial'"))
             unknown_of_model(r, node->key_mark, parameters ? "parameter" : "state", node->key, &known);
         char title[CNS_QUOTE + 32];
         snprintf(title, sizeof title, "'%s' in '%s'", cns_quote(node->key).text, k->path);
@@ -315,8 +360,47 @@ static bool read_columns(cns_case_reader *r, const cns_key *k, const cns_yaml_no
 
 static void check_keys(cns_case_reader *r, const cns_key *section, const cns_yaml_node *mapping);
 
+/* Would this text do for the key, as far as its kind says? */
+static bool could_be(const cns_key *k, const char *text)
+{
+    cns_number x;
+    if (cns_key_word_named(k, text) != NULL)
+        return k->kind != KEY_SECTION;
+    if (k->kind == KEY_INTEGER)
+        return text[0] != '\0' && text[strspn(text, "0123456789")] == '\0';
+    if (k->kind != KEY_NUMBER)
+        return false;
+    cns_number_init(&x);
+    const bool good = cns_number_parse(&x, text, NULL) == CNS_OK && cns_case_within(&x, k->above, k->below);
+    cns_number_clear(&x);
+    return good;
+}
+
+/* A value right behind the name of a section, as in `time: 300`, most often belongs to its first key that can
+ * take it: a fault that says so. False, and no fault: there is no such key. */
+static bool value_for_section(cns_case_reader *r, const cns_key *section, const cns_yaml_node *node)
+{
+    if (node->kind == CNS_YAML_MAPPING)
+        return false;
+    for (const cns_key *k = cns_keys; k < cns_keys + CNS_KEYS; k++) {
+        const bool list = node->kind == CNS_YAML_SEQUENCE;
+        if (cns_key_section(k) != section || (list ? k->kind != KEY_COLUMNS : !could_be(k, node->text)))
+            continue;
+        cns_faults_add(&r->faults, node->mark, "%s must be a mapping of keys to values: write '%s: {%s: %s}'",
+                       cns_key_title(section).text, cns_key_name(section), cns_key_name(k),
+                       list ? "[...]" : cns_quote(node->text).text);
+        return true;
+    }
+    return false;
+}
+
 static bool read_section(cns_case_reader *r, const cns_key *k, const cns_yaml_node *node)
 {
+    if (node->kind == CNS_YAML_SCALAR && k->words[0].text != NULL &&
+        cns_key_word_named(k, node->text) != NULL)
+        return read_value(r, k, node);
+    if (value_for_section(r, k, node))
+        return false;
     if (node->kind == CNS_YAML_SCALAR && k->words[0].text != NULL)
         return read_value(r, k, node);
     if (!is_mapping(r, node, cns_key_title(k).text))
@@ -360,9 +444,15 @@ static const cns_key *unknown_key(cns_case_reader *r, const cns_key *section, co
     name_set known = {0};
     if (section != NULL)
         snprintf(where, sizeof where, " in '%s'", section->path);
+    for (const cns_key *k = cns_keys; k < cns_keys + CNS_KEYS; k++)
+        if (cns_key_section(k) == section)
+            add_name(&known, cns_key_name(k));
+    const char *slip = cns_text_nearest(node->key, known.count, name_at, &known);
+    if (slip != NULL && cns_text_distance(node->key, slip) > 1)
+        slip = NULL; /* not so near that a key of this name elsewhere is not meant */
     for (const cns_key *k = cns_keys; k < cns_keys + CNS_KEYS; k++) {
         const cns_key *home = cns_key_section(k);
-        if (strcmp(cns_key_name(k), node->key) == 0) {
+        if (slip == NULL && strcmp(cns_key_name(k), node->key) == 0) {
             if (home != NULL)
                 cns_faults_add(&r->faults, node->key_mark, "unknown key '%s'%s; it belongs in '%s'",
                                node->key, where, home->path);
@@ -371,9 +461,9 @@ static const cns_key *unknown_key(cns_case_reader *r, const cns_key *section, co
                                "unknown key '%s'%s; it belongs at the top, not indented", node->key, where);
             return NULL;
         }
-        if (home == section)
-            add_name(&known, cns_key_name(k));
     }
+    if (slip == NULL && name_of_model(r, node, where))
+        return NULL;
     const char *meant = unknown_name(r, node->key_mark, "key", node->key, where, &known);
     return meant != NULL ? find_in(section, meant) : NULL;
 }

@@ -60,6 +60,7 @@ typedef struct cns_key {
     const char *otherwise;             /* in the help: a default that case_rules.c finds */
     bool (*printed)(const cns_case *); /* does the resolved case show it? NULL: if it has a value */
     const char *meaning;
+    const char *hint; /* to who asks for another word, as they are known from elsewhere; NULL: none */
 } cns_key;
 
 /* Their names in the sources, as K_TIME_END: a rule about a key that does not exist does not compile. */

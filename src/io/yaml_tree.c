@@ -162,6 +162,9 @@ static void reset_node(cns_yaml_node *node, cns_yaml_kind kind, cns_mark mark)
 
 typedef struct builder {
     yaml_parser_t parser;
+    const char *text, *end; /* what is read */
+    const char *at;         /* a place in it, */
+    size_t index;           /* and the number of characters before that */
     cns_faults *faults;
     int set; /* the number of the override whose value this is; -1: it is a file */
     size_t nodes;
@@ -173,14 +176,115 @@ static cns_mark mark_of(const builder *b, yaml_mark_t m)
     return b->set >= 0 ? (cns_mark){0, 0, b->set} : (cns_mark){m.line + 1, m.column + 1, -1};
 }
 
+/* The place of a mark in the text. Marks count characters; those asked for mostly go forwards. */
+static const char *place_of(builder *b, yaml_mark_t m)
+{
+    if (m.index < b->index) {
+        b->at = b->text;
+        b->index = 0;
+    }
+    for (; b->index < m.index && b->at < b->end; b->index++)
+        b->at += cns_utf8_length((const unsigned char *)b->at, (size_t)(b->end - b->at));
+    return b->at;
+}
+
+static bool line_end(char c)
+{
+    return c == '\n' || c == '\r';
+}
+
+static const char *line_start(const builder *b, const char *at)
+{
+    while (at > b->text && !line_end(at[-1]))
+        at--;
+    return at;
+}
+
+/* Is there "KEY: " or "KEY:" at the end, from `at` up to `end`? */
+static bool holds_key(const char *at, const char *end)
+{
+    for (; at < end && *at != '#'; at++)
+        if (*at == ':' && (at + 1 == end || at[1] == ' '))
+            return true;
+    return false;
+}
+
+/* The cure where a colon stands that YAML does not expect at `at`. */
+static const char *misplaced_colon(const builder *b, const char *at)
+{
+    const char *start = line_start(b, at), *end;
+    if (holds_key(start, at))
+        return "a second ': ' on one line; keys of a section stand in braces, as in time: {end: 1}, or on "
+               "lines of "
+               "their own";
+    do { /* the line above that says something */
+        end = start;
+        while (end > b->text && (line_end(end[-1]) || end[-1] == ' '))
+            end--;
+        start = line_start(b, end);
+    } while (end > b->text && start[strspn(start, " ")] == '#');
+    if (!holds_key(start, end))
+        return "the line above is not 'key: value', with a space after the colon";
+    return "indented deeper than the line above, which has its value; keys of a section begin in one column";
+}
+
+/* The mistake that people make where libyaml reports this problem, and its cure; NULL: none is known. */
+static const char *cure_of(builder *b)
+{
+    const yaml_parser_t *p = &b->parser;
+    const char *problem = p->problem, *at = place_of(b, p->problem_mark);
+    const char here = at < b->end ? *at : '\0';
+    if (here == '\t' && (strstr(problem, "tab character") != NULL || strstr(problem, "cannot start") != NULL))
+        return "a tab; indent with spaces";
+    if (strstr(problem, "cannot start any token") != NULL)
+        return "a value that begins with this character must stand in quotes";
+    if (strstr(problem, "mapping values are not allowed") != NULL)
+        return misplaced_colon(b, at);
+    if (strstr(problem, "expected key") != NULL) {
+        const char *start = line_start(b, at);
+        if (here == '}' || here == ']')
+            return "this bracket closes nothing";
+        if (start + strspn(start, " ") < at)
+            return "nothing may stand between the end of a value and the end of its line";
+        return "indented unlike the lines above; keys of a section begin in one column";
+    }
+    if (strstr(problem, "expected ',' or") != NULL && p->problem_mark.line == p->context_mark.line &&
+        here != '\0')
+        return "a comma must separate one value from the next, as in {end: 1, every: 0.5}";
+    if (strstr(problem, "could not find expected ':'") != NULL)
+        return "the line above is not 'key: value', with a space after the colon";
+    if (strstr(problem, "document start") != NULL)
+        return "text after the end of the first value; a case file is lines of 'key: value'";
+    return NULL;
+}
+
+/* What is left open at the end of the text or of its section, and since which line; NULL: nothing. */
+static const char *left_open(const yaml_parser_t *p)
+{
+    if (p->context == NULL || p->context_mark.line == p->problem_mark.line)
+        return NULL;
+    if (strstr(p->context, "quoted scalar") != NULL)
+        return "quotation mark";
+    return strstr(p->context, "flow mapping") != NULL    ? "'{'"
+           : strstr(p->context, "flow sequence") != NULL ? "'['"
+                                                         : NULL;
+}
+
 static bool next_event(builder *b, yaml_event_t *event)
 {
     if (yaml_parser_parse(&b->parser, event))
         return true;
     const yaml_parser_t *p = &b->parser;
     cns_mark mark = mark_of(b, p->problem_mark);
-    if (p->error == YAML_MEMORY_ERROR)
+    const bool memory = p->error == YAML_MEMORY_ERROR;
+    const char *open = memory ? NULL : left_open(p), *cure = memory || open != NULL ? NULL : cure_of(b);
+    if (memory)
         b->faults->out_of_memory = true;
+    else if (open != NULL && b->set < 0)
+        cns_faults_add(b->faults, mark, "not YAML: the %s of line %zu is not closed", open,
+                       p->context_mark.line + 1);
+    else if (cure != NULL)
+        cns_faults_add(b->faults, mark, "not YAML: %s", cure);
     else if (p->context != NULL && b->set < 0 && p->context_mark.line != p->problem_mark.line)
         cns_faults_add(b->faults, mark, "not YAML: %s, %s that began on line %zu", p->problem, p->context,
                        p->context_mark.line + 1);
@@ -250,6 +354,38 @@ static void refuse_doubled(builder *b, const cns_yaml_node *mapping, const char 
                    where != NULL ? "'" : "", place);
 }
 
+/* What stands between braces without ': ' is a key without a value to YAML. Where people mean something else
+ * by it, says so, and returns the name of the key that is meant, a new string; NULL: it is not known what is
+ * meant, or the word belongs to the value before, the last of the mapping. `word` begins at `at` in the text.
+ */
+static char *refuse_bare(builder *b, cns_yaml_node *mapping, const char *word, const char *at, cns_mark mark)
+{
+    cns_yaml_node *before = mapping->last;
+    const size_t name = strcspn(word, ":=");
+    const char *value = word + name + 1;
+    while (at > b->text && at[-1] == ' ')
+        at--;
+    if (word[0] >= '0' && word[0] <= '9' && before != NULL && before->kind == CNS_YAML_SCALAR &&
+        at > b->text && at[-1] == ',') {
+        before->refused = true;
+        cns_faults_add(b->faults, before->mark,
+                       "'%s,%s' is two values; write a point for the decimal comma: %s.%s",
+                       cns_quote(before->text).text, cns_quote(word).text, cns_quote(before->text).text,
+                       cns_quote(word).text);
+        return NULL;
+    }
+    if (name == 0 || word[name] == '\0' || *value == '\0')
+        return NULL;
+    char *meant = cns_xcopy_n(word, name);
+    if (word[name] == ':')
+        cns_faults_add(b->faults, mark, "a space is missing after the colon: write '%s: %s'",
+                       cns_quote(meant).text, cns_quote(value).text);
+    else
+        cns_faults_add(b->faults, mark, "write '%s: %s', with a colon and a space, not '%s'",
+                       cns_quote(meant).text, cns_quote(value).text, cns_quote(word).text);
+    return meant;
+}
+
 static cns_yaml_node *build_mapping(builder *b, cns_mark mark, int depth, const char *own_key)
 {
     cns_yaml_node *node = new_node(CNS_YAML_MAPPING, mark);
@@ -261,7 +397,8 @@ static cns_yaml_node *build_mapping(builder *b, cns_mark mark, int depth, const 
             yaml_event_delete(&event);
             break;
         }
-        cns_mark key_mark = mark_of(b, event.start_mark);
+        const cns_mark key_mark = mark_of(b, event.start_mark);
+        const char *key_at = place_of(b, event.start_mark), *key_end = place_of(b, event.end_mark);
         cns_yaml_node *key = build(b, &event, depth + 1, NULL);
         yaml_event_delete(&event);
         if (key != NULL && key->kind != CNS_YAML_SCALAR)
@@ -269,8 +406,20 @@ static cns_yaml_node *build_mapping(builder *b, cns_mark mark, int depth, const 
         const char *name = key != NULL && key->kind == CNS_YAML_SCALAR && !key->refused ? key->text : NULL;
         cns_yaml_node *value = NULL;
         if (!b->stopped && next_event(b, &event)) {
+            const char *value_at = place_of(b, event.start_mark);
+            const bool bare =
+                value_at >= key_end && memchr(key_end, ':', (size_t)(value_at - key_end)) == NULL;
+            const size_t faults = b->faults->count;
             value = build(b, &event, depth + 1, name);
             yaml_event_delete(&event);
+            if (bare && name != NULL && value != NULL) {
+                char *meant = refuse_bare(b, node, name, key_at, key_mark);
+                value->refused = b->faults->count > faults;
+                if (meant != NULL) {
+                    free(key->text);
+                    name = key->text = meant;
+                }
+            }
         }
         if (value != NULL && name != NULL) {
             value->key = cns_xcopy(name);
@@ -336,7 +485,9 @@ static bool check_bytes(const char *text, size_t length, cns_faults *f)
     for (size_t i = 0; i < length;) {
         int step = cns_utf8_length(s + i, length - i);
         if (step == 0) {
-            cns_faults_add(f, mark, "byte 0x%02X is not UTF-8 text", s[i]);
+            const bool wide = i == 0 && length > 1 && s[0] + s[1] == 0xFE + 0xFF; /* a byte order mark */
+            cns_faults_add(f, mark, "byte 0x%02X is not UTF-8 text; %ssave the file as UTF-8", s[i],
+                           wide ? "this is UTF-16: " : "");
             return false;
         }
         bool c1 = s[i] == 0xC2 && s[i + 1] < 0xA0 && s[i + 1] != 0x85;
@@ -393,7 +544,7 @@ static cns_yaml_node *read_stream(builder *b)
 
 static cns_yaml_node *parse(const char *text, size_t length, int set, cns_faults *f)
 {
-    builder b = {.faults = f, .set = set};
+    builder b = {.text = text, .end = text + length, .at = text, .faults = f, .set = set};
     if (!yaml_parser_initialize(&b.parser)) {
         f->out_of_memory = true;
         return NULL;
@@ -402,7 +553,8 @@ static cns_yaml_node *parse(const char *text, size_t length, int set, cns_faults
     cns_yaml_node *root = read_stream(&b);
     yaml_parser_delete(&b.parser);
     if (!b.stopped && root == NULL)
-        cns_faults_add(f, (cns_mark){1, 1, -1}, "the file is empty");
+        cns_faults_add(f, (cns_mark){1, 1, -1},
+                       "the file is empty, or all comments; `cns help case` lists what a case file says");
     if (b.stopped) {
         cns_yaml_free(root);
         root = NULL;
@@ -412,7 +564,12 @@ static cns_yaml_node *parse(const char *text, size_t length, int set, cns_faults
 
 cns_yaml_node *cns_yaml_parse(const char *text, size_t length, cns_faults *f)
 {
+    static const char byte_order_mark[] = "\xEF\xBB\xBF";
     const cns_mark start = {1, 1, -1};
+    if (length >= 3 && memcmp(text, byte_order_mark, 3) == 0) {
+        text += 3;
+        length -= 3;
+    }
     if (length > (size_t)CNS_YAML_MAX_BYTES) {
         cns_faults_add(f, start, "larger than 1 MiB; this cannot be a case file");
         return NULL;

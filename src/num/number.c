@@ -63,6 +63,50 @@ static cns_code too_large(const reader *r, cns_error *err)
                     cns_quote(r->whole).text, CNS_NUMBER_MAX_EXPONENT);
 }
 
+/* Habits of other programs and of keyboards, and what to write here. The first that the text goes on with
+ * holds. */
+static const struct habit {
+    const char *text;
+    bool after_digit; /* only right behind a digit */
+    const char *cure;
+} habits[] = {
+    {",", true, "write a point for the decimal comma, as in 1.5"},
+    {".", true, "one point is enough; thousands are not separated"},
+    {"_", true, "digits are written without separators"},
+    {"'", true, "digits are written without separators"},
+    {" ", true, "no blanks inside a number"},
+    {"\xC2\xA0", false, "it holds a no-break space (U+00A0); take it out"},
+    {"\xE2\x80\xAF", false, "it holds a narrow no-break space (U+202F); take it out"},
+    {"\xE2\x80\x89", false, "it holds a thin space (U+2009); take it out"},
+    {"\xE2\x88\x92", false, "it holds the character U+2212; write the minus as a plain -"},
+    {"\xE2\x80\x90", false, "it holds a typographic hyphen (U+2010); write the minus as a plain -"},
+    {"\xE2\x80\x91", false, "it holds a typographic hyphen (U+2011); write the minus as a plain -"},
+    {"\xE2\x80\x93", false, "it holds a dash (U+2013); write the minus as a plain -"},
+    {"\xE2\x80\x94", false, "it holds a dash (U+2014); write the minus as a plain -"},
+    {"\xC2\xB0", false, "angles are in radians: write degrees as 90*pi/180"},
+    {"deg", false, "angles are in radians: write degrees as 90*pi/180"},
+    {"\xCF\x80", false, "write pi in two letters"},
+    {"Pi", false, "write pi in small letters"},
+    {"PI", false, "write pi in small letters"},
+    {"pi", true, "write * between factors, as in 2*pi"},
+    {"**", false, "powers are not computed: write 1e-3, or the number itself"},
+    {"^", false, "powers are not computed: write 1e-3, or the number itself"},
+    {"+", false, "sums are not computed: write the number itself"},
+    {"-", false, "differences are not computed: write the number itself"},
+    {"d", true, "write the exponent with an e, as in 1e-3"},
+    {"D", true, "write the exponent with an e, as in 1e-3"},
+};
+
+/* What is wrong at a place where a number cannot go on, or no factor can begin. */
+static cns_code refuse_here(const reader *r, cns_error *err)
+{
+    const bool inside = r->at > r->whole, after_digit = inside && is_digit(r->at[-1]);
+    for (const struct habit *h = habits; h < habits + sizeof habits / sizeof *habits; h++)
+        if ((after_digit || !h->after_digit) && strncmp(r->at, h->text, strlen(h->text)) == 0)
+            return refuse(r, h->cure, err);
+    return refuse(r, "use decimals, fractions and pi, as in 2.2, 1e-30, 8/3, 2*pi/3", err);
+}
+
 /* What is wrong at a place where a factor should begin. */
 static cns_code refuse_factor(const reader *r, cns_error *err)
 {
@@ -72,7 +116,7 @@ static cns_code refuse_factor(const reader *r, cns_error *err)
         return refuse(r, "a digit must stand before the point, as in 0.5", err);
     if (*r->at == '+' || *r->at == '-')
         return refuse(r, "only one sign is allowed, at the beginning", err);
-    return refuse(r, "use decimals, fractions and pi, as in 2.2, 1e-30, 8/3, 2*pi/3", err);
+    return refuse_here(r, err);
 }
 
 static cns_code read_factor(reader *r, bool divide, cns_error *err)
@@ -116,7 +160,9 @@ static cns_code read_factor(reader *r, bool divide, cns_error *err)
         if (*r->at == '+' || *r->at == '-')
             r->at++;
         if (!is_digit(*r->at))
-            return refuse(r, "digits must follow the e of an exponent", err);
+            return *r->at != '\0' && (unsigned char)*r->at >= 0x80
+                       ? refuse_here(r, err)
+                       : refuse(r, "digits must follow the e of an exponent", err);
         while (is_digit(*r->at)) {
             exponent = 10 * exponent + (*r->at++ - '0');
             if (exponent > CNS_NUMBER_MAX_EXPONENT)
@@ -157,8 +203,11 @@ static cns_code read_value(reader *r, cns_error *err)
         skip_spaces(r);
         if (*r->at == '\0')
             break;
-        if (*r->at != '*' && *r->at != '/')
-            return refuse(r, "use decimals, fractions and pi, as in 2.2, 1e-30, 8/3, 2*pi/3", err);
+        if ((*r->at != '*' && *r->at != '/') || r->at[1] == '*') {
+            if (is_digit(*r->at) && r->at[-1] == ' ' && is_digit(r->at[-2]))
+                r->at--; /* in 1 000 the mistake is the blank */
+            return refuse_here(r, err);
+        }
         divide = *r->at++ == '/';
         skip_spaces(r);
     }
