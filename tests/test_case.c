@@ -297,7 +297,8 @@ START_TEST(reports_all_in_order)
     bad("numerics: {digits: -1, order: x}\nmodel: lorenz\nfoo: 1\ntime: {every: 0}\n",
         "t:1:20: 'digits' in 'numerics' must be an integer from 1 to 100000, not '-1'\n"
         "t:1:31: 'order' in 'numerics' must be an integer from 1 to 100000, or auto, not 'x'\n"
-        "t:3:1: unknown key 'foo'; use model, parameters, initial, time, max_time, abs, goal, numerics, output, laws, "
+        "t:3:1: unknown key 'foo'; use model, parameters, initial, time, max_time, abs, goal, numerics, "
+        "output, laws, "
         "lyapunov, orbit or bisect\n"
         "t:4:1: missing key 'end' in 'time': a number > 0\n"
         "t:4:15: 'every' in 'time' must be a number > 0, not '0'");

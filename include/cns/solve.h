@@ -47,15 +47,20 @@ typedef struct cns_run_info {
     mpfr_prec_t proof_prec;
     int proof_order;
     const char *kernel;    /* of the printed run's arithmetic: avx512ifma, portable, mpfr, double */
-    bool planned;          /* by goal: the following are predictions */
+    double steps, seconds; /* predicted: of the printed run; of both, on a machine with nothing else to do. 0:
+                              no prediction */
+    bool planned;          /* by goal: the following are predictions, too */
     double followed;       /* the last time that the preliminary run reached */
     double growth;         /* log10 of the largest growth of noise expected */
     double margin;         /* digits added for its fluctuation */
-    double steps, seconds; /* of the printed run; of both, on a machine with nothing else to do */
     /* The fraction of these seconds that is over at the end of each of so many equal parts of the time. */
     double done[CNS_PLAN_PARTS];
     double memory; /* bytes, the program itself and its libraries with it */
 } cns_run_info;
+
+/* A run of more steps than this is refused, unless a time is set after which it gives up: in double it would
+ * take the better part of an hour at least, in many digits a day and more. */
+#define CNS_MOST_STEPS 1e10
 
 typedef struct cns_row {
     /* One per column. The time is exact where it is a finite decimal; else it is the fraction nearest to its
@@ -113,8 +118,10 @@ typedef struct cns_result {
 } cns_result;
 
 /* The rows and events of a problem, to its sink. CNS_UNREACHED: the table is honest but falls short of the
- * goal (err says how); CNS_USAGE: times that are not rational and positive, a count below 1; CNS_NUMERIC: a
- * singularity, or an error that the proof found; CNS_STOPPED by the monitor; or what the sink returned. */
+ * goal (err says how), or the time allowed is used up; CNS_USAGE: times that are not rational and positive, a
+ * count below 1, numerics that take more than CNS_MOST_STEPS (err says what would do); CNS_NUMERIC: a
+ * singularity, a plan that takes as many steps, or an error that the proof found; CNS_STOPPED by the monitor;
+ * or what the sink returned. */
 cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *result, cns_error *err);
 cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *numerics, bool prove,
                             cns_result *result, cns_error *err);

@@ -1,4 +1,5 @@
 /* cns run: a trajectory as a table. */
+#include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,6 +30,12 @@ static void announce(cns_context *cx, const cns_run_info *run)
         cns_note(cx, "not enough: again with %ld digits, order %d", run->digits, run->order);
     else if (cx->o->verbose)
         cns_note(cx, "%ld digits (%ld bits), order %d", run->digits, (long)run->prec, run->order);
+    if (run->planned && run->followed < cns_number_get_d(cx->problem.end))
+        cns_note(cx, "the preliminary run in double precision ends at t = %.12g: nothing is predicted beyond",
+                 run->followed);
+    if (!run->planned && run->attempt == 1 && run->steps > 0)
+        cns_note(cx, "about %.*g steps, %.*f s", run->steps < 1e7 ? 7 : 2, round(run->steps),
+                 run->seconds < 10 ? 1 : 0, run->seconds);
 }
 
 static cns_code on_begin(void *context, const cns_run_info *run, cns_error *err)

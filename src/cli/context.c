@@ -52,10 +52,12 @@ static void limit_time(cns_context *cx)
     const double limit = cx->o->max_time > 0 ? cx->o->max_time : c->max_time;
     if (!(limit > 0))
         return;
-    if (cx->o->command->limits && !c->has_numerics)
+    if (cx->o->command->limits && !c->has_numerics) {
         c->goal.max_time = c->goal.max_time > 0 ? fmin(c->goal.max_time, limit) : limit;
-    else
+    } else {
+        cx->monitor.limited = true;
         cns_signals_limit(limit);
+    }
 }
 
 static int open_system(cns_context *cx)

@@ -22,6 +22,11 @@ static inline bool cns_monitor_stopped(const cns_monitor *m)
     return m != NULL && m->stop != NULL && *m->stop;
 }
 
+static inline bool cns_monitor_limited(const cns_monitor *m)
+{
+    return m != NULL && m->limited;
+}
+
 static inline void cns_monitor_tell(const cns_monitor *m, double fraction, const char *what)
 {
     if (m != NULL && m->progress != NULL)

@@ -6,6 +6,8 @@
 #include "arith/arith.h"
 #include "cns/flow.h"
 
+#define CNS_DOUBLE_MAX_ORDER 30 /* beyond it coefficients scaled in double underflow or cancel to noise */
+
 enum {
     CNS_DOUBLE_BITS = 53,
     CNS_DOUBLE_DIGITS = 16,  /* what double counts as where digits are asked for */

@@ -166,29 +166,35 @@ static bool norm_log2(const cns_stepper *s, int k, double *log2_norm)
     return any;
 }
 
-/* The last four coefficients, or as many as half of a short series has. */
-static int first_tested(const cns_stepper *s)
+/* The last four coefficients of a series, or as many as half of a short one has. */
+static int first_tested(int order)
 {
-    int tested = s->order / 2 < TESTED ? (s->order + 1) / 2 : TESTED;
-    return s->order - tested + 1;
+    int tested = order / 2 < TESTED ? (order + 1) / 2 : TESTED;
+    return order - tested + 1;
 }
 
-/* log2 of Jorba and Zou's step from the last coefficients, four of them since parity may make every second
- * one vanish: the largest tau with |x_k| tau^k <= tolerance for each. */
-static double allowed_log2(const cns_stepper *s)
+/* log2 of Jorba and Zou's step from the last coefficients of a series of this order, which may be lower than
+ * the last expansion's. Four coefficients, since parity may make every second one vanish: the largest tau
+ * with |x_k| tau^k <= tolerance for each. */
+static double largest_log2(const cns_stepper *s, double tolerance_log2, int order)
 {
     double best = MAX_STEP_LOG2, l;
-    for (int k = first_tested(s); k <= s->order; k++)
-        if (norm_log2(s, k, &l) && (s->tolerance_log2 - l) / k < best)
-            best = (s->tolerance_log2 - l) / k;
-    return best - s->spec.safety - 1.0 / s->order;
+    for (int k = first_tested(order); k <= order; k++)
+        if (norm_log2(s, k, &l) && (tolerance_log2 - l) / k < best)
+            best = (tolerance_log2 - l) / k;
+    return best;
+}
+
+static double allowed_log2(const cns_stepper *s)
+{
+    return largest_log2(s, s->tolerance_log2, s->order) - s->spec.safety - 1.0 / s->order;
 }
 
 /* log2 of the truncation error at tau: the last coefficients' largest term. */
 static double truncation_log2(const cns_stepper *s, double tau_log2)
 {
     double worst = -HUGE_VAL, l;
-    for (int k = first_tested(s); k <= s->order; k++)
+    for (int k = first_tested(s->order); k <= s->order; k++)
         if (norm_log2(s, k, &l) && l + k * tau_log2 > worst)
             worst = l + k * tau_log2;
     return worst;
@@ -274,16 +280,16 @@ static cns_code expand(cns_stepper *s, cns_jet *jet, int order, double H, mpfr_t
     return code;
 }
 
-/* log2 of the step that a series of another order would allow: the last coefficients continued to it by the
+/* log2 of the step that a series of a higher order would allow: the last coefficients continued to it by the
  * rate at which they grow over the second half of this series. False if they are all zero. */
-static bool reach(const cns_stepper *s, double tolerance_log2, int order, double *h_log2)
+static bool reach_beyond(const cns_stepper *s, double tolerance_log2, int order, double *h_log2)
 {
     double end = -HUGE_VAL, middle = -HUGE_VAL, l;
     const int half = s->order / 2;
-    for (int k = first_tested(s); k <= s->order; k++)
+    for (int k = first_tested(s->order); k <= s->order; k++)
         if (norm_log2(s, k, &l))
             end = fmax(end, l);
-    for (int k = first_tested(s) - half; k <= s->order - half; k++)
+    for (int k = first_tested(s->order) - half; k <= s->order - half; k++)
         if (k > 0 && norm_log2(s, k, &l))
             middle = fmax(middle, l);
     if (end == -HUGE_VAL || middle == -HUGE_VAL)
@@ -293,12 +299,20 @@ static bool reach(const cns_stepper *s, double tolerance_log2, int order, double
     return true;
 }
 
+static bool reach(const cns_stepper *s, double tolerance_log2, int order, double *h_log2)
+{
+    if (order > s->order)
+        return reach_beyond(s, tolerance_log2, order, h_log2);
+    *h_log2 = largest_log2(s, tolerance_log2, order) + cns_log2_2exp(s->H, 0);
+    return true;
+}
+
 /* A guess at the next step from a short expansion in double. */
 static bool scout(cns_stepper *s, mpfr_t *x)
 {
     cns_error ignored;
     return !expand(s, s->scout, SCOUT_ORDER, 1, x, &ignored) &&
-           reach(s, s->tolerance_log2, s->order_asked, &s->next_log2);
+           reach_beyond(s, s->tolerance_log2, s->order_asked, &s->next_log2);
 }
 
 /* The expansion in the fast arithmetic. False if it does not fit: because of leading zeros, because its noise

@@ -19,6 +19,7 @@ struct cns_trajectory {
     cns_jet *outputs;
     mpq_t time;
     bool late;
+    double looked, left; /* at the last look: the time, and the steps that were left; 0: none before */
 };
 
 bool cns_sample_init(cns_sample *s, const cns_program *p, mpfr_prec_t prec)
@@ -112,6 +113,7 @@ void cns_trajectory_start(cns_trajectory *t, const cns_number *initial)
     if (t->meetings)
         cns_meetings_start(t->meetings);
     t->told = 0;
+    t->looked = t->left = 0;
 }
 
 static void evaluate_outputs(cns_trajectory *t, cns_sample *s)
@@ -158,6 +160,26 @@ cns_code cns_trajectory_tell_rest(cns_trajectory *t, cns_error *err)
     return tell(t, NULL, err);
 }
 
+/* Would the run have no end? Its pace is looked at after every so many steps, which is more than a narrow
+ * smoothed kink takes (3.3 times the order). At a start beside a singularity steps grow from look to look. */
+static cns_code look_at_pace(cns_trajectory *t, cns_error *err)
+{
+    const long between = 1024 + 4 * (long)t->spec.flow.order;
+    if (t->spec.most_steps == 0 || cns_flow_steps(t->flow) % between != 0)
+        return CNS_OK;
+    const double now = mpfr_get_d(cns_flow_end(t->flow), MPFR_RNDN), passed = now - t->looked,
+                 left = (t->spec.end - now) / passed * (double)between;
+    const bool is_endless = t->left > t->spec.most_steps && left > t->left / 2;
+    t->looked = now;
+    t->left = left;
+    if (!is_endless)
+        return CNS_OK;
+    return cns_fail(err, CNS_USAGE,
+                    "t = %.12g: with steps of %.1e, more than %.0e up to t = %g, the run does not end; with "
+                    "max_time it goes as far as it comes",
+                    now, passed / (double)between, t->spec.most_steps, t->spec.end);
+}
+
 cns_code cns_trajectory_step(cns_trajectory *t, cns_error *err)
 {
     if (t->spec.deadline != 0 && cns_seconds() > t->spec.deadline) {
@@ -180,7 +202,7 @@ cns_code cns_trajectory_step(cns_trajectory *t, cns_error *err)
     if (!code && t->meetings)
         code = cns_meetings_follow(t->meetings, t->flow, err);
     t->told = 0;
-    return code;
+    return code ? code : look_at_pace(t, err);
 }
 
 void cns_trajectory_peek(cns_trajectory *t, const mpq_t time, cns_sample *s)

@@ -19,11 +19,12 @@ typedef struct cns_trajectory cns_trajectory;
 typedef struct cns_trajectory_spec {
     cns_flow_spec flow;
     const cns_number *initial; /* one per state; NULL: cns_trajectory_start() will tell */
+    double end;                /* the last time that will be asked for */
     bool origins;              /* follow growth from times spread evenly up to `end`, for planning */
-    double end;
-    bool outputs;    /* compute the program's outputs, too */
-    bool no_growth;  /* do not follow growth: samples have neither growth nor error */
-    bool unit_noise; /* the noise of every step is 1, in scales, instead of the flow's own */
+    double most_steps; /* CNS_USAGE once steps show that there will be more up to `end`; 0: no limit */
+    bool outputs;      /* compute the program's outputs, too */
+    bool no_growth;    /* do not follow growth: samples have neither growth nor error */
+    bool unit_noise;   /* the noise of every step is 1, in scales, instead of the flow's own */
     void (*stepped)(void *context, const cns_flow *f); /* called after each step; may be NULL */
     void *context;
     double deadline; /* of cns_seconds(); 0: none. After it, CNS_STOPPED, and cns_trajectory_late() */

@@ -73,8 +73,6 @@ typedef enum cns_key_id {
 
 extern const cns_key cns_keys[CNS_KEYS];
 
-#define CNS_DOUBLE_MAX_ORDER 30 /* beyond it coefficients scaled in double underflow or cancel to noise */
-
 const cns_key *cns_key_section(const cns_key *k); /* that k stands in; NULL: at the top */
 const char *cns_key_name(const cns_key *k);       /* "from" of "laws.digits.from" */
 const char *cns_key_indent(const cns_key *k);     /* four blanks for each section that it stands in */

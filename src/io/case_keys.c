@@ -4,6 +4,7 @@
 
 #include "case_internal.h"
 #include "core/text.h"
+#include "integrate/numerics.h"
 #include "solve/proof.h"
 
 #define TEXT_OF(x)  #x

@@ -1,5 +1,6 @@
 /* Rules between keys: what must be given, what excludes what, and values that follow from those of others. */
 #include "case_internal.h"
+#include "integrate/numerics.h"
 
 #define TEXT_OF(x)  #x
 #define TEXT_OF2(x) TEXT_OF(x)

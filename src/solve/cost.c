@@ -17,6 +17,7 @@ enum {
     /* Digits that are measured: steps of more take seconds to hours. Time beyond follows the power of the
      * digits that it has below, memory their square: series as long as their terms. */
     MOST_MEASURED = 1000,
+    SCOUTED = 400, /* steps of the preliminary run for given numerics */
     /* The program, its libraries, stacks and the tables of MPFR: measured on Linux. */
     PROGRAM_BYTES = 4 << 20
 };
@@ -119,11 +120,9 @@ static double steps_in(const cns_tally *y, int i, const cns_flow_spec *spec, lon
     return steps + 1.5 * y->part[i].landings;
 }
 
-/* What a step takes, and a row. Asked for its state just beyond the end of the last step, the trajectory
- * makes one step and evaluates it; asked for the same time again it only evaluates, which is what a row
- * takes. The first step of all is not counted: it has more to do. *measured: whether there was anything
- * to measure. A run that fails has been measured up to there; only CNS_STOPPED and CNS_MEMORY are returned.
- */
+/* What a step takes, and a row: the evaluation at a time within the last step. The first step of all is not
+ * counted: it has more to do. *measured: whether there was anything to measure. A run that fails has been
+ * measured up to there; only CNS_STOPPED and CNS_MEMORY are returned. */
 static cns_code measure(const cns_problem *p, const cns_flow_spec *spec, bool growth, double steps, level *l,
                         bool *measured, double *memory, cns_error *err)
 {
@@ -135,26 +134,22 @@ static cns_code measure(const cns_problem *p, const cns_flow_spec *spec, bool gr
     cns_trajectory *t = cns_trajectory_new(&of, &why);
     cns_code code = t ? CNS_OK : why.code;
     cns_sample s = {0};
-    mpq_t time, little;
+    mpq_t time;
     long counted = 0;
     int turn = 0;
     double spent = 0, in_steps = 0, in_rows = 0;
-    mpq_inits(time, little, (mpq_ptr)0);
-    mpq_set_ui(little, 1, 1);
-    mpq_div_2exp(little, little, 60);
+    mpq_init(time);
     if (t && !cns_sample_init(&s, cns_system_program(p->system), cns_flow_prec(cns_trajectory_flow(t))))
         code = cns_out_of_memory(&why);
     if (!code) {
         cns_flow *f = cns_trajectory_flow(t);
         bool enough = false;
         for (; !enough && turn < MOST_STEPS; turn++) {
-            const long before = cns_flow_steps(f);
-            mpfr_get_q(time, cns_flow_end(f));
-            mpq_add(time, time, little);
             double a = cns_thread_seconds();
-            code = cns_trajectory_at(t, time, &s, &why);
+            code = cns_trajectory_step(t, &why);
             if (code)
                 break;
+            mpfr_get_q(time, cns_flow_end(f));
             double b = cns_thread_seconds();
             code = cns_trajectory_at(t, time, &s, &why);
             if (code)
@@ -163,8 +158,8 @@ static cns_code measure(const cns_problem *p, const cns_flow_spec *spec, bool gr
             spent += c - a;
             if (turn == 0)
                 continue;
-            counted += cns_flow_steps(f) - before;
-            in_steps += fmax(0, (b - a) - (c - b));
+            counted++;
+            in_steps += b - a;
             in_rows += c - b;
             enough = spent > measuring_part * steps * in_steps / (double)counted;
         }
@@ -177,7 +172,7 @@ static cns_code measure(const cns_problem *p, const cns_flow_spec *spec, bool gr
     }
     cns_trajectory_free(t);
     cns_sample_clear(&s);
-    mpq_clears(time, little, (mpq_ptr)0);
+    mpq_clear(time);
     *measured = counted > 0;
     return code == CNS_STOPPED || code == CNS_MEMORY ? cns_fail(err, code, "%s", why.text) : CNS_OK;
 }
@@ -282,5 +277,126 @@ cns_code cns_cost_predict(const cns_problem *p, const cns_flow_spec *fine, const
         plan->done[i] = printed + proof > 0 ? fmin(1, sum / (printed + proof)) : (i + 1.0) / CNS_PLAN_PARTS;
     }
     plan->memory = memory;
+    return CNS_OK;
+}
+
+/* Adaptive steps of runs as `run` describes up to `end`, by the coefficients of a preliminary run in double
+ * precision. Beyond the steps that it makes the rest goes on as the later half of them did. 0: nothing can be
+ * told. */
+static double scouted_steps(const cns_problem *p, const cns_flow_spec *run, double end)
+{
+    cns_flow_spec spec = cns_flow_spec_taylor(cns_system_program(p->system), cns_system_scales(p->system),
+                                              CNS_ARITH_DOUBLE, CNS_DOUBLE_DIGITS);
+    cns_error ignored;
+    spec.stop = run->stop;
+    if (spec.order < run->order) /* what is not extrapolated is certain */
+        spec.order = run->order < CNS_DOUBLE_MAX_ORDER ? run->order : CNS_DOUBLE_MAX_ORDER;
+    cns_flow *f = cns_flow_new(&spec, &ignored);
+    double t = 0, steps = 0, half_t = 0, half_steps = 0, h_log2;
+    int made = 0;
+    if (f == NULL)
+        return 0;
+    cns_flow_start(f, cns_system_initial(p->system));
+    for (; t < end && made < SCOUTED && !cns_flow_step(f, &ignored); made++) {
+        const double before = t;
+        t = mpfr_get_d(cns_flow_end(f), MPFR_RNDN);
+        if (cns_flow_reach(f, run->tolerance_log2, run->order, &h_log2))
+            steps +=
+                two_to(cns_log2_2exp(fmin(t, end) - before, 0) - h_log2 + run->safety + 1.0 / run->order);
+        else
+            steps++;
+        if (made < SCOUTED / 2) {
+            half_t = t;
+            half_steps = steps;
+        }
+    }
+    cns_flow_free(f);
+    if (made == SCOUTED && t < end)
+        steps += (end - t) * (steps - half_steps) / (t - half_t);
+    return steps;
+}
+
+static double steps_of(const cns_problem *p, const cns_flow_spec *run)
+{
+    const double end = cns_number_get_d(p->end);
+    return run->step != NULL ? end / cns_number_get_d(run->step) : scouted_steps(p, run, end);
+}
+
+static cns_code too_many(const cns_problem *p, const cns_flow_spec *run, double steps, cns_error *err)
+{
+    char help[96] = "take a longer step";
+    cns_flow_spec other = *run;
+    other.order = cns_order_for(run->tolerance_log2, run->arithmetic);
+    if (run->step == NULL) {
+        const double fewer = scouted_steps(p, &other, cns_number_get_d(p->end));
+        if (fewer < CNS_MOST_STEPS)
+            snprintf(help, sizeof help, "order %d, that of `order: auto`, needs about %.0f", other.order,
+                     fewer);
+        else
+            snprintf(help, sizeof help, "no order needs fewer than %.0e", CNS_MOST_STEPS);
+    }
+    return cns_fail(
+        err, CNS_USAGE,
+        "with about %.0e steps up to t = %s the run does not end: %s; with max_time it goes as far as "
+        "it comes",
+        steps, p->end->text, help);
+}
+
+/* A run like this one, of fewer digits. */
+static cns_flow_spec with_digits(const cns_flow_spec *run, long digits)
+{
+    cns_flow_spec spec = *run;
+    const mpfr_prec_t prec = cns_digits_to_bits(digits);
+    if (run->arithmetic == CNS_ARITH_DOUBLE || prec >= run->prec)
+        return spec;
+    const int order = cns_order_for(cns_digits_to_tolerance(digits), run->arithmetic);
+    spec.prec = prec;
+    spec.tolerance_log2 = fmax(run->tolerance_log2, cns_digits_to_tolerance(digits));
+    spec.order = run->order < order ? run->order : order;
+    return spec;
+}
+
+static cns_code given_seconds(const cns_problem *p, const cns_flow_spec *run, long digits, double steps,
+                              bool growth, double *seconds, cns_error *err)
+{
+    const double rows = cns_number_get_d(p->end) / cns_number_get_d(cns_every(p));
+    const long asked[] = {MOST_MEASURED * 7 / 10, MOST_MEASURED};
+    level l[2];
+    int levels = 0;
+    for (int i = digits > MOST_MEASURED ? 0 : 1; i < 2; i++) {
+        const cns_flow_spec spec = with_digits(run, asked[i]);
+        bool measured;
+        l[levels].digits = (double)(digits > MOST_MEASURED ? asked[i] : digits);
+        const cns_code code = measure(p, &spec, growth, steps, &l[levels], &measured, NULL, err);
+        if (code)
+            return code;
+        levels += measured;
+    }
+    if (levels > 0) {
+        double step, row;
+        cost_at(l, levels, (double)digits, &step, &row);
+        *seconds = steps * step + rows * row;
+    }
+    return CNS_OK;
+}
+
+cns_code cns_cost_of_numerics(const cns_problem *p, const cns_proof_runs *runs, cns_run_info *info,
+                              cns_error *err)
+{
+    const double steps = steps_of(p, &runs->fine);
+    double printed = 0, proof = 0;
+    const double most = cns_most_steps(p, 0);
+    if (most > 0 && steps > most)
+        return too_many(p, &runs->fine, steps, err);
+    if (steps <= 0)
+        return CNS_OK;
+    cns_code code = given_seconds(p, &runs->fine, runs->fine_digits, steps, !runs->proof, &printed, err);
+    if (!code && runs->proof)
+        code = given_seconds(p, &runs->coarse, runs->coarse_digits, steps_of(p, &runs->coarse), true, &proof,
+                             err);
+    if (code)
+        return code;
+    info->steps = steps;
+    info->seconds = cns_monitor_threads(p->monitor) > 1 ? fmax(printed, proof) : printed + proof;
     return CNS_OK;
 }

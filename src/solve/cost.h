@@ -3,6 +3,7 @@
 #define CNS_SOLVE_COST_H
 
 #include "cns/solve.h"
+#include "proof.h"
 
 enum { CNS_TALLY_LEVELS = 14 };
 
@@ -35,5 +36,11 @@ void cns_tally_step(void *tally, const cns_flow *f); /* after each step; as cns_
  * with nothing else to do. CNS_STOPPED, CNS_MEMORY: there is no prediction. */
 cns_code cns_cost_predict(const cns_problem *p, const cns_flow_spec *fine, const cns_flow_spec *coarse,
                           const cns_tally *tally, cns_run_info *plan, cns_error *err);
+
+/* The same for the run, or the two of a proof, that given numerics ask for: steps and seconds of *info. Steps
+ * that are not fixed are predicted from the beginning of a preliminary run; where that fails there is no
+ * prediction. CNS_USAGE: the printed run takes more than CNS_MOST_STEPS, and no time limits it. */
+cns_code cns_cost_of_numerics(const cns_problem *p, const cns_proof_runs *runs, cns_run_info *info,
+                              cns_error *err);
 
 #endif

@@ -148,6 +148,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
                                 .deadline = goal->max_time > 0 ? cns_seconds() + goal->max_time : 0,
                                 .origins = true,
                                 .end = cns_number_get_d(p->end),
+                                .most_steps = cns_most_steps(p, goal->max_time),
                                 .conditions = p->conditions,
                                 .n_conditions = p->n_conditions,
                                 .met = add_event_needs,
@@ -217,7 +218,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
     }
     if (code == CNS_STOPPED && cns_trajectory_late(t)) {
         code = cns_fail(err, CNS_UNREACHED, "max_time of %g s is used up while planning", goal->max_time);
-    } else if (code == CNS_STOPPED || code == CNS_MEMORY) {
+    } else if (code == CNS_STOPPED || code == CNS_MEMORY || code == CNS_USAGE) {
         *err = failure;
     } else {
         /* A preliminary run that failed tells what it could; the run itself will tell why. */

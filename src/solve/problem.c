@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "core/memory.h"
+#include "core/monitor.h"
 #include "problem.h"
 
 static bool is_time(const cns_number *x)
@@ -42,6 +43,11 @@ cns_places cns_goal_places(const cns_goal *goal)
 long cns_goal_count(const cns_goal *goal)
 {
     return goal->significant > 0 ? goal->significant : goal->decimals;
+}
+
+double cns_most_steps(const cns_problem *p, double max_time)
+{
+    return max_time > 0 || cns_monitor_limited(p->monitor) ? 0 : CNS_MOST_STEPS;
 }
 
 bool cns_wants_outputs(const cns_problem *p)

@@ -10,6 +10,8 @@ cns_code cns_problem_check(const cns_problem *p, cns_error *err);
 int cns_columns(const cns_problem *p);
 cns_column cns_column_at(const cns_problem *p, int i);
 const cns_number *cns_every(const cns_problem *p);
+/* As in cns_trajectory_spec, for a run that gives up after max_time seconds; 0: not by itself. */
+double cns_most_steps(const cns_problem *p, double max_time);
 cns_places cns_goal_places(const cns_goal *goal);
 long cns_goal_count(const cns_goal *goal);
 bool cns_wants_outputs(const cns_problem *p); /* is a derived quantity among the columns? */

@@ -10,6 +10,7 @@
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/monitor.h"
+#include "cost.h"
 #include "events.h"
 #include "integrate/numerics.h"
 #include "integrate/rows.h"
@@ -275,7 +276,7 @@ static void describe(cns_run_info *info, const cns_proof_runs *runs)
 
 /* To be closed whatever is returned. */
 static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *runs, unsigned long first_row,
-                          double deadline, cns_result *result, cns_error *err)
+                          double since, double max_time, cns_result *result, cns_error *err)
 {
     cns_trajectory_spec spec = {.flow = runs->fine,
                                 .initial = cns_system_initial(p->system),
@@ -285,7 +286,9 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
                                 .n_conditions = p->n_conditions,
                                 .met = cns_found_add,
                                 .met_context = &w->found,
-                                .deadline = deadline};
+                                .end = cns_number_get_d(p->end),
+                                .most_steps = cns_most_steps(p, max_time),
+                                .deadline = max_time > 0 ? since + max_time : 0};
     *w = (walk){.p = p,
                 .explain = runs->proof && runs->coarse.method == CNS_METHOD_TAYLOR,
                 .digits = runs->fine.arithmetic == CNS_ARITH_DOUBLE ? DOUBLE_PRINTED : runs->fine_digits};
@@ -481,17 +484,17 @@ static cns_code go(walk *w, demand *d, cns_result *result, cns_error *err)
 
 /* One attempt at a goal, from row d->row on. */
 static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_schedule *schedule, demand *d,
-                        double deadline, cns_result *result, cns_error *err)
+                        double since, cns_result *result, cns_error *err)
 {
     cns_proof_runs runs;
     walk w;
     cns_proof_of_goal(&runs, p, result->run.digits, schedule);
-    cns_code code = walk_open(&w, p, &runs, d->row, deadline, result, err);
+    cns_code code = walk_open(&w, p, &runs, d->row, since, goal->max_time, result, err);
     if (!code)
         code = go(&w, d, result, err);
     if (code == CNS_STOPPED && (cns_trajectory_late(w.fine) || cns_ahead_late(w.coarse)))
         code = cns_fail(err, CNS_UNREACHED, "max_time of %g s is used up at t = %.12g", goal->max_time,
-                        mpq_get_d(w.time));
+                        mpfr_get_d(cns_flow_end(cns_trajectory_flow(w.fine)), MPFR_RNDN));
     d->passed = w.told > d->passed ? w.told : d->passed;
     walk_close(&w, result);
     cns_proof_runs_clear(&runs);
@@ -526,7 +529,7 @@ static cns_code conclude(const cns_problem *p, const demand *d, const cns_result
 
 cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *result, cns_error *err)
 {
-    const double since = cns_seconds(), deadline = goal->max_time > 0 ? since + goal->max_time : 0;
+    const double since = cns_seconds();
     const long most = goal->max_digits > 0 ? goal->max_digits : LONG_MAX;
     int stuck = 0;
     bool doubted = false;
@@ -542,7 +545,7 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
         d.raise = result->run.digits < most && result->run.attempt <= RAISES;
         if (result->run.digits > most)
             result->run.digits = most > CNS_LEAST_PROOF_DIGITS ? most : CNS_LEAST_PROOF_DIGITS;
-        code = attempt(p, goal, &schedule, &d, deadline, result, err);
+        code = attempt(p, goal, &schedule, &d, since, result, err);
         if (code == CNS_NUMERIC && !doubted && d.raise) {
             /* Digits lost in the problem itself can look like an error, or like a singularity: ask again with
              * more before saying so. */
@@ -582,10 +585,13 @@ cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool pr
         return code;
     cns_proof_of_numerics(&runs, p, n, prove);
     demand d = {.places = CNS_PLACES_DECIMALS, .count = runs.coarse_digits};
-    code = walk_open(&w, p, &runs, 0, 0, result, err);
-    if (!code)
-        code = go(&w, &d, result, err);
-    walk_close(&w, result);
+    code = cns_cost_of_numerics(p, &runs, &result->run, err);
+    if (!code) {
+        code = walk_open(&w, p, &runs, 0, since, 0, result, err);
+        if (!code)
+            code = go(&w, &d, result, err);
+        walk_close(&w, result);
+    }
     cns_proof_runs_clear(&runs);
     result->complete = result->reached = !code;
     result->wall_s = cns_seconds() - since;

@@ -286,6 +286,7 @@ $ cns check -q g.yaml --set numerics.digits=20; cns check g.yaml --set 'numerics
 > cns: --set goal... replaces 'numerics' of n.yaml
 > 0
 2> cns: --set numerics... replaces 'goal' of g.yaml
+2> re:^cns: about 2[0-9] steps, [0-9.]+ s$
 
 = what the new section lacks is said in one message, with what to type
 $ cat > g.yaml; sed 's/^goal.*/numerics: {digits: 20}/' g.yaml > n.yaml

@@ -44,6 +44,7 @@ $ tail -n 1 a.csv.partial
 | numerics: {arithmetic: mpfr, digits: 30}
 > 130
 > 130
+2> re:^cns: about [0-9.e+]+ steps, [0-9]+ s$
 > a.csv
 > a.csv.partial
 > a.yaml

@@ -423,7 +423,8 @@ cns_code cns_tc_measure(const cns_problem *p, const cns_tc_spec *spec, cns_tc_re
     const cns_trajectory_spec test = {.flow = cns_tc_flow(p->system, spec->numerics, stop),
                                       .initial = cns_system_initial(p->system),
                                       .outputs = outputs,
-                                      .end = end};
+                                      .end = end,
+                                      .most_steps = cns_most_steps(p, 0)};
     for (;;) {
         const cns_trajectory_spec reference = {
             .flow = reference_flow(spec->truth != NULL ? spec->truth : p->system, digits, stop),
