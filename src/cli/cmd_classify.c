@@ -34,7 +34,7 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
     cns_summary_text(s, "mode", cns_mode_name(m->mode));
     if (m->period != NULL) {
         cns_summary_text(s, "period", m->period);
-        cns_summary_text(s, "symmetry", cns_symmetry_name(m->symmetry));
+        cns_summary_text(s, "symmetry", m->symmetry);
         cns_summary_long(s, "winding", m->winding);
         cns_summary_long(s, "returns", m->returns);
         cns_summary_number(s, "multiplier", m->multiplier, 4);
@@ -81,7 +81,7 @@ static void print_text(FILE *out, const cns_context *cx, const void *result)
     print_line(out, "mode", cns_mode_name(m->mode), m->note);
     if (m->period != NULL) {
         print_line(out, "period", m->period, "");
-        print_line(out, "symmetry", cns_symmetry_name(m->symmetry), "");
+        print_line(out, "symmetry", m->symmetry, "");
         snprintf(value, sizeof value, "%ld", m->winding);
         print_line(out, "winding", value, "whole revolutions in a period");
         snprintf(value, sizeof value, "%d", m->returns);

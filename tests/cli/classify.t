@@ -41,6 +41,18 @@ $ cns classify -q --yaml "$CASES"/case4.yaml | grep -e '^mode' -e '^lambda:'
 > mode: chaotic
 > re:^lambda: 0\.1[234]
 
+= a symmetry that the model declares: at R = 350 a half-turn after half of the period, at R = 300 none
+$ cat > a.yaml; for r in 350 300; do cns classify -q a.yaml --set parameters.R=$r | sed -n '2,3p;6p' | cut -c1-26; done
+| model: lorenz
+| initial: {x: 1, y: 1, z: 1}
+| time: {end: 1}
+> period      0.3884875818
+> symmetry    half-turn
+> multiplier  0.8678   of a 
+> period      0.4198562256
+> symmetry    none
+> multiplier  0.7977   of a 
+
 = chaos that ends is not chaos: below R = 24.06 Lorenz's equations settle, after long chaotic transients
 $ cat > a.yaml; cns classify -q --sweep R=22.5:22.5:1 a.yaml > t; grep -v '^#' t | cut -d, -f1,2,13
 $ grep -v '^#' t | tr -cd ',\n' | uniq | wc -l

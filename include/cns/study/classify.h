@@ -9,7 +9,9 @@
  * place (states that nothing feeds back on);
  * - winding: whole revolutions of the angle in a period, signed;
  * - symmetry, what the motion does besides: `mirror` if half a period makes it its own mirror image, `turn`
- * if a part of a period turns it by less than a revolution and otherwise repeats it, else `none`;
+ * if a part of a period turns it by less than a revolution and otherwise repeats it, `none` if there is
+ * neither. Where the section is a level, the model's symmetries, and products of two of them, are tried by
+ * their names, as Lorenz's `half-turn`: does the cycle pass through the image of one of its states?
  * - returns: passages through the section until it repeats, up to symmetry. The simplest flutter and the
  * simplest tumble have one; two is what a period doubling makes of that, whatever the symmetry does to the
  * period in time.
@@ -38,10 +40,6 @@ typedef enum cns_mode {
 
 const char *cns_mode_name(cns_mode mode);
 
-typedef enum cns_symmetry { CNS_SYMMETRY_NONE, CNS_SYMMETRY_MIRROR, CNS_SYMMETRY_TURN } cns_symmetry;
-
-const char *cns_symmetry_name(cns_symmetry symmetry);
-
 typedef struct cns_classify_spec {
     int observable;  /* whose extrema are wanted: a state; -1: the last dynamic one */
     double until;    /* time to follow the motion for at most; 0: 60000 steps */
@@ -49,13 +47,14 @@ typedef struct cns_classify_spec {
 } cns_classify_spec;
 
 #define CNS_MOTION_EXTREMA 64
+#define CNS_SYMMETRY_NAME  64
 
 /* Texts are decimals, all right, NULL where they do not apply. */
 typedef struct cns_motion {
     cns_mode mode;
     char note[256]; /* why it is undecided, or what else to know; may be empty */
     /* Of periodic motions: */
-    cns_symmetry symmetry;
+    char symmetry[CNS_SYMMETRY_NAME]; /* "none", or what a part of the period does, as above */
     long winding;
     int returns;
     char *period;

@@ -11,6 +11,7 @@
 #include "integrate/trajectory.h"
 #include "num/decimal_text.h"
 #include "num/logs.h"
+#include "num/vector.h"
 #include "returns.h"
 #include "solve/proof.h"
 
@@ -28,12 +29,6 @@ const char *cns_mode_name(cns_mode mode)
 {
     static const char *const names[] = {"undecided", "steady", "flutter", "tumble", "periodic", "chaotic"};
     return names[mode];
-}
-
-const char *cns_symmetry_name(cns_symmetry symmetry)
-{
-    static const char *const names[] = {"none", "mirror", "turn"};
-    return names[symmetry];
 }
 
 void cns_motion_clear(cns_motion *m)
@@ -68,6 +63,8 @@ typedef struct measures {
     mpfr_t value[2 + 2 * CNS_MOTION_EXTREMA];
     int maxima, drift; /* where the drifts begin, how many maxima follow them */
     long winding;
+    int image;                    /* of the model, through which the cycle passes; 0: through none */
+    double image_gap, image_time; /* log2 of the distance in scales, and when */
 } measures;
 
 static void clear_measures(measures *m)
@@ -109,6 +106,64 @@ static void set_start(const cns_return_map *S, const cns_late *late, const cns_c
     mpfr_clear(x);
 }
 
+/* The dynamic state x of the cycle's first state under an image of the model. */
+static void set_image(const cns_return_map *S, const cns_image *image, const mpfr_t *first, int state,
+                      mpfr_t x)
+{
+    const cns_model_motion *angle = S->images.model->motion;
+    mpfr_set_zero(x, 1);
+    if (angle != NULL && state == angle->angle && image->turns != 0) {
+        mpfr_const_pi(x, MPFR_RNDN);
+        mpfr_mul_si(x, x, 2 * image->turns, MPFR_RNDN);
+        mpfr_div_si(x, x, angle->turns, MPFR_RNDN);
+    }
+    if (image->sign[state] > 0)
+        mpfr_add(x, x, first[state], MPFR_RNDN);
+    else
+        mpfr_sub(x, x, first[state], MPFR_RNDN);
+}
+
+/* Levels that the cycle crosses where it passes through images of its first state. */
+static void image_sections(const cns_return_map *S, const mpfr_t *first, cns_event_condition *sections)
+{
+    mpfr_t x;
+    mpfr_init2(x, mpfr_get_prec(first[0]));
+    for (int k = 1; k < S->images.n; k++) {
+        cns_event_condition *section = &sections[k - 1];
+        cns_event_condition_init(section);
+        section->kind = CNS_CONDITION_VALUE;
+        section->state = S->section.state;
+        set_image(S, &S->images.item[k], first, section->state, x);
+        cns_number_from_mpfr(&section->value, x);
+    }
+    mpfr_clear(x);
+}
+
+/* Notes how near the cycle comes to the image of its first state. */
+static void approach_image(const cns_return_map *S, const mpfr_t *first, const cns_meeting *at, int k,
+                           measures *m)
+{
+    const cns_image *image = &S->images.item[k];
+    double gap = -HUGE_VAL;
+    mpfr_t x;
+    if (at->direction != image->sign[S->section.state])
+        return;
+    mpfr_init2(x, mpfr_get_prec(first[0]));
+    for (int i = 0; i < S->d; i++) {
+        const int state = S->index[i];
+        set_image(S, image, first, state, x);
+        mpfr_sub(x, x, at->state[state], MPFR_RNDN);
+        if (state != S->section.state)
+            gap = fmax(gap, cns_log2_mpfr(x) - cns_log2_2exp(S->scales[state], 0));
+    }
+    mpfr_clear(x);
+    if (gap < m->image_gap) {
+        m->image_gap = gap;
+        m->image = k;
+        m->image_time = mpfr_get_d(at->time, MPFR_RNDN);
+    }
+}
+
 static void drop_first_maximum(measures *m, int n_states)
 {
     m->maxima--;
@@ -123,9 +178,11 @@ static cns_code measure(const cns_return_map *S, const cns_late *late, const cns
     const long wanted = repetitions(S, c) * c->returns;
     const int swinging = S->motion != NULL ? S->motion->angle : S->observable;
     cns_number *start = cns_xalloc((size_t)S->n, sizeof *start);
-    cns_event_condition sections[3];
+    const int n_images = S->motion == NULL ? S->images.n - 1 : 0;
+    cns_event_condition *sections = cns_xalloc((size_t)(3 + n_images), sizeof *sections);
+    mpfr_t *state = cns_vector_xnew(S->n, prec);
     long turns, seen = 0;
-    *m = (measures){.drift = 2, .n = 2 + S->n};
+    *m = (measures){.drift = 2, .n = 2 + S->n, .image_gap = HUGE_VAL};
     for (int i = 0; i < 2 + 2 * CNS_MOTION_EXTREMA; i++) {
         mpfr_init2(m->value[i], prec);
         mpfr_set_zero(m->value[i], 1);
@@ -138,17 +195,21 @@ static cns_code measure(const cns_return_map *S, const cns_late *late, const cns
     for (int i = 0; i < S->n; i++)
         cns_number_init(&start[i]);
     set_start(S, late, c, &turns, start);
+    for (int i = 0; i < S->n; i++)
+        cns_number_get_mpfr(state[i], &start[i]);
     sections[0] = S->section;
     for (int k = 1; k < 3; k++) {
         cns_event_condition_init(&sections[k]);
         sections[k].kind = CNS_CONDITION_EXTREMUM;
         sections[k].state = k == 1 ? S->observable : swinging;
     }
+    if (n_images > 0)
+        image_sections(S, (const mpfr_t *)state, sections + 3);
     const cns_trajectory_spec spec = {.flow = cns_return_map_flow(S, S->program, S->scales, digits),
                                       .initial = start,
                                       .no_growth = true,
                                       .conditions = sections,
-                                      .n_conditions = 3};
+                                      .n_conditions = 3 + n_images};
     cns_trajectory *t = cns_trajectory_new(&spec, err);
     cns_code code = t == NULL ? err->code : CNS_OK;
     /* A maximum may lie at the joint of two periods, as for a pendulum that goes round: it counts at the end
@@ -182,14 +243,18 @@ static cns_code measure(const cns_return_map *S, const cns_late *late, const cns
             } else if (at->condition == 2) {
                 mpfr_min(low, low, at->state[swinging], MPFR_RNDN);
                 mpfr_max(high, high, at->state[swinging], MPFR_RNDN);
+            } else if (at->condition >= 3 && seen < wanted) {
+                approach_image(S, (const mpfr_t *)state, at, at->condition - 2, m);
             }
         }
     }
     mpfr_sub(m->value[1], high, low, MPFR_RNDN);
     mpfr_div_2ui(m->value[1], m->value[1], 1, MPFR_RNDN);
     cns_trajectory_free(t);
-    for (int k = 1; k < 3; k++)
+    for (int k = 1; k < 3 + n_images; k++)
         cns_event_condition_clear(&sections[k]);
+    free(sections);
+    cns_vector_free(state);
     for (int i = 0; i < S->n; i++)
         cns_number_clear(&start[i]);
     free(start);
@@ -208,6 +273,23 @@ static char *agreed(mpfr_srcptr coarse, mpfr_srcptr fine, double noise_log2)
     const long decimals = cns_proof_places(&value, 1, CNS_PLACES_DECIMALS, PRINTED);
     mpfr_clear(e);
     return decimals >= 0 ? cns_text_mpfr(fine, CNS_PLACES_DECIMALS, decimals) : NULL;
+}
+
+/* The symmetry of a cycle, and what is left of it up to symmetry. A cycle that passes through an image of one
+ * of its states consists of images of the part up to there. Of two numbers that are the same but for noise,
+ * half the digits are. */
+static void name_symmetry(const cns_return_map *S, const cns_cycle *c, const measures *m, double noise_log2,
+                          cns_motion *motion)
+{
+    const char *name = c->mirrored ? "mirror" : repetitions(S, c) > 1 ? "turn" : "none";
+    int parts = 1;
+    if (m->image > 0 && m->image_gap < noise_log2 / 2) {
+        name = S->images.item[m->image].name;
+        parts = (int)lround(mpfr_get_d(m->value[0], MPFR_RNDN) / m->image_time);
+    }
+    snprintf(motion->symmetry, sizeof motion->symmetry, "%.*s", CNS_SYMMETRY_NAME - 1, name);
+    motion->returns = c->returns % parts == 0 ? c->returns / parts : c->returns;
+    motion->multiplier = pow(c->multiplier, 1.0 / parts);
 }
 
 /* Fills the motion from a cycle, found and measured in two precisions. */
@@ -232,12 +314,8 @@ static cns_code describe(const cns_return_map *S, const cns_late *late, const cn
     const double noise = 10 + fmax(0, fine->growth_log2) - (double)cns_modes_bits(coarse_digits);
     const bool angle = cns_system_model(S->system)->motion != NULL;
     motion->mode = !angle ? CNS_MODE_PERIODIC : b.winding == 0 ? CNS_MODE_FLUTTER : CNS_MODE_TUMBLE;
-    motion->symmetry = fine->mirrored             ? CNS_SYMMETRY_MIRROR
-                       : repetitions(S, fine) > 1 ? CNS_SYMMETRY_TURN
-                                                  : CNS_SYMMETRY_NONE;
+    name_symmetry(S, fine, &b, noise, motion);
     motion->winding = b.winding;
-    motion->returns = fine->returns;
-    motion->multiplier = fine->multiplier;
     motion->lambda = 0;
     motion->lambda_se = -1;
     motion->period = agreed(a.value[0], b.value[0], noise);

@@ -140,6 +140,7 @@ cns_code cns_return_map_open(cns_return_map *S, const cns_system *system, int ob
                           .n = m->n_states,
                           .limit = LIMIT};
     cns_event_condition_init(&S->section);
+    cns_images_open(&S->images, m);
     S->index = cns_xalloc((size_t)S->n + 1, sizeof *S->index);
     S->d = cns_dynamic_states(S->program, S->index);
     if (S->d < 2)
@@ -152,6 +153,7 @@ cns_code cns_return_map_open(cns_return_map *S, const cns_system *system, int ob
 void cns_return_map_close(cns_return_map *S)
 {
     cns_event_condition_clear(&S->section);
+    cns_images_close(&S->images);
     free(S->index);
 }
 

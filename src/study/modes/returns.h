@@ -5,6 +5,7 @@
 
 #include "cns/events.h"
 #include "cns/system.h"
+#include "study/orbit/image.h"
 
 /* What is followed, and what counts as a return. With an angle: angle = k (2 pi / turns), any k; a return's
  * reduced state is its state turned back k times and, where the angle falls and there is a mirror image,
@@ -16,9 +17,10 @@ typedef struct cns_return_map {
     const double *scales;       /* and its scales */
     const volatile sig_atomic_t *stop;
     const cns_model_motion
-        *motion; /* NULL: no angle, or one that does not turn or swing through its section */
-    int n, d;    /* states; dynamic ones */
-    int *index;  /* of the dynamic states */
+        *motion;       /* NULL: no angle, or one that does not turn or swing through its section */
+    cns_images images; /* of the model */
+    int n, d;          /* states; dynamic ones */
+    int *index;        /* of the dynamic states */
     cns_event_condition section;
     int observable;
     long limit;   /* steps a trajectory is followed for, at most */

@@ -150,7 +150,7 @@ static void print_row(FILE *out, const cns_motion *m)
     const bool periodic = m->period != NULL;
     fprintf(out, "%s,", cns_mode_name(m->mode));
     if (periodic)
-        fprintf(out, "%s,%d,%ld,", cns_symmetry_name(m->symmetry), m->returns, m->winding);
+        fprintf(out, "%s,%d,%ld,", m->symmetry, m->returns, m->winding);
     else
         fprintf(out, ",,,");
     print_optional(out, m->period);
