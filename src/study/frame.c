@@ -71,6 +71,7 @@ static cns_code start(cns_frame *f, const cns_frame_spec *spec, const int *index
         flow.order = DOUBLE_ORDER;
         flow.tolerance_log2 = DOUBLE_TOLERANCE_LOG2;
     }
+    flow.portable = spec->portable;
     flow.stop = spec->stop;
     f->order = flow.order;
     f->x = cns_vector_xnew(f->states, flow.prec);

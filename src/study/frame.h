@@ -19,6 +19,7 @@ typedef struct cns_frame_spec {
     long digits;               /* ignored in double */
     int vectors;               /* 1 to the number of dynamic states; 0: as many as those */
     const double *first;       /* the first vector at t = 0, per dynamic state; NULL: no special one */
+    bool portable;             /* double: the same bits on every machine, and slower */
     bool traced;               /* the trace of the Jacobian is integrated, too */
     const volatile sig_atomic_t *stop;
 } cns_frame_spec;

@@ -220,6 +220,7 @@ cns_code cns_lyapunov(const cns_system *s, const cns_lyapunov_spec *spec, const 
     const cns_frame_spec frame = {.system = s,
                                   .arithmetic = spec->arithmetic,
                                   .digits = spec->digits,
+                                  .portable = spec->portable,
                                   .vectors = spec->exponents,
                                   .first = spec->tangent,
                                   .traced =

@@ -36,10 +36,21 @@ $ cns classify -q "$CASES"/modes.yaml | sed -n '1,2p;5p'
 > re:^period      13\.35873794
 > re:^returns     2 
 
-= chaos, by its exponent
-$ cns classify -q --yaml "$CASES"/case4.yaml | grep -e '^mode' -e '^lambda:'
+= chaos, by its exponent, over a time that is told
+$ cns classify -q --yaml "$CASES"/case4.yaml > t; grep -e '^mode' -e '^lambda:' -e '^note' t
+$ awk '/^time:/ {t = $2} /^note:/ {print ($NF == t)}' t
 > mode: chaotic
 > re:^lambda: 0\.1[234]
+> re:^note: up to t = [0-9.]+$
+> 1
+
+= chaos beside fixed points that attract may be a transient, as it is below R = 24.06
+$ cat > a.yaml; cns classify -q a.yaml | head -n 1
+| model: lorenz
+| parameters: {R: 23.8}
+| initial: {x: 1, y: 1, z: 1}
+| time: {end: 1}
+> re:^mode        chaotic   up to t = [0-9.]+; it may end later: fixed points that attract: C\+, C-$
 
 = a symmetry that the model declares: at R = 350 a half-turn after half of the period, at R = 300 none
 $ cat > a.yaml; for r in 350 300; do cns classify -q a.yaml --set parameters.R=$r | sed -n '2,3p;6p' | cut -c1-26; done

@@ -19,8 +19,9 @@
  * A mode is decided by the system's own trajectory, not by a nearby one: it is followed twice, with different
  * precisions, and with more digits where its noise could have grown to what decides (as near a saddle); the
  * cycle is then found by Newton's method with the variational equations and must attract, its multiplier
- * being less than one. What is found chaotic is so by its largest exponent, statistically: a positive one, by
- * six standard errors from the means of sixteen batches. A trajectory that does neither is `undecided`. */
+ * being less than one. Chaos is so up to a time, by its
+ * largest exponent, statistically: a positive one, by six standard errors, whose growth is stationary by the
+ * tests of cns/study/lyapunov.h. A trajectory that does neither is `undecided`. */
 #ifndef CNS_STUDY_CLASSIFY_H
 #define CNS_STUDY_CLASSIFY_H
 
@@ -42,7 +43,8 @@ const char *cns_mode_name(cns_mode mode);
 
 typedef struct cns_classify_spec {
     int observable;  /* whose extrema are wanted: a state; -1: the last dynamic one */
-    double until;    /* time to follow the motion for at most; 0: 60000 steps */
+    double until;    /* time to follow the motion for at most; 0: 60000 steps, and longer where that does not
+                        tell */
     long max_digits; /* that may be used to follow it */
 } cns_classify_spec;
 
@@ -52,7 +54,7 @@ typedef struct cns_classify_spec {
 /* Texts are decimals, all right, NULL where they do not apply. */
 typedef struct cns_motion {
     cns_mode mode;
-    char note[256]; /* why it is undecided, or what else to know; may be empty */
+    char note[256]; /* why it is undecided, up to when it is chaotic, or what else to know; may be empty */
     /* Of periodic motions: */
     char symmetry[CNS_SYMMETRY_NAME]; /* "none", or what a part of the period does, as above */
     long winding;

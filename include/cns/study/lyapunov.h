@@ -44,6 +44,7 @@ typedef struct cns_lyapunov_spec {
     cns_number time;           /* T > 0; the trajectory is followed for 1.1 T */
     cns_arithmetic arithmetic; /* of states and tangents */
     long digits;               /* >= 1; 0 with arithmetic double */
+    bool portable;             /* double: the same bits on every machine, and slower */
     int exponents;             /* how many, the largest ones; 0: all */
     const double *tangent;     /* the first vector at t = 0, per dynamic state; NULL: one that no symmetry
                                   singles out */

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cns/study/equilibria.h"
+#include "cns/study/lyapunov.h"
 #include "core/memory.h"
 #include "core/monitor.h"
 #include "cycle.h"
@@ -20,9 +22,15 @@ enum {
     PRINTED = 10,       /* decimals, at most */
     JOINT_LOG2 = -30,   /* of a period: so near to its end is at its end */
     ROUNDS = 12,
-    CYCLE_LEAST_BITS = 60 /* of a cycle's state after one repetition */
+    EQUILIBRIA_DECIMALS = 6,
+    LEAST_GROWTH = 20,     /* ln of it, for chaos */
+    CYCLE_LEAST_BITS = 60, /* of a cycle's state after one repetition */
+    LOOKS = 3,             /* at what may be chaos, each one LONGER times as long as the one before */
+    LONGER = 4,
+    PATIENCE = 8 /* times the usual number of steps, for a motion that neither settles nor is chaotic */
 };
 
+static const double sure = 6;        /* standard errors by which an exponent is positive */
 static const double same_log2 = -18; /* reduced returns of two runs this near belong to the same cycle */
 
 const char *cns_mode_name(cns_mode mode)
@@ -439,9 +447,8 @@ static long more_digits(long digits, const cns_late *late, double horizon)
     return needed > least ? needed : least;
 }
 
-static void state_chaos(const cns_late *late, cns_motion *motion)
+static void list_maxima(const cns_late *late, cns_motion *motion)
 {
-    motion->mode = CNS_MODE_CHAOTIC;
     const int most = (int)(sizeof late->extremum / sizeof *late->extremum);
     const int n = late->extrema < most ? late->extrema : most;
     for (int i = 0; i < n; i++) {
@@ -449,6 +456,76 @@ static void state_chaos(const cns_late *late, cns_motion *motion)
         snprintf(text, sizeof text, "%.6g", late->extremum[(late->extrema - n + i) % most]);
         motion->maximum[motion->extrema++] = cns_xcopy(text);
     }
+}
+
+/* The names of the fixed points that attract, as far as the model knows its fixed points; "" if none does. */
+static void name_attractors(const cns_system *s, const cns_monitor *monitor, char *text, size_t size)
+{
+    const cns_monitor quiet = {.stop = cns_monitor_stop(monitor)};
+    cns_equilibria *e = NULL;
+    cns_error ignored;
+    text[0] = '\0';
+    cns_equilibria_find(s, EQUILIBRIA_DECIMALS, &quiet, &e, &ignored);
+    for (int i = 0; e != NULL && i < e->n; i++)
+        if (e->item[i].unstable == 0 && e->item[i].stable == e->d) {
+            const size_t used = strlen(text);
+            snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", e->item[i].name);
+        }
+    cns_equilibria_free(e);
+}
+
+/* Is what ran for so long without settling chaos? Its growth is measured in double and tested to be
+ * stationary, over a longer time where it is not; motion: what was found, with a note unless it is plain that
+ * it is no chaos. */
+static cns_code look_for_chaos(const cns_system *s, const cns_classify_spec *spec, double time,
+                               const cns_monitor *monitor, cns_motion *motion, cns_error *err)
+{
+    cns_code code = CNS_UNREACHED;
+    cns_lyapunov_result r = {0};
+    for (int look = 0; look < LOOKS && code == CNS_UNREACHED; look++, time *= LONGER) {
+        char text[32], what[64];
+        cns_lyapunov_spec growth = {.arithmetic = CNS_ARITH_DOUBLE, .portable = true, .exponents = 1};
+        if (look > 0 && spec->until > 0)
+            break;
+        cns_lyapunov_result_clear(&r);
+        snprintf(text, sizeof text, "%.3g", spec->until > 0 ? spec->until / 1.1 : time);
+        snprintf(what, sizeof what, "growth up to t = %.3g", time);
+        cns_monitor_tell(monitor, (look + 1) / (look + 2.0), what);
+        cns_number_init(&growth.time);
+        cns_number_parse(&growth.time, text, err);
+        const cns_monitor quiet = {.stop = cns_monitor_stop(monitor)};
+        code = cns_lyapunov(s, &growth, &quiet, &r, err);
+        cns_number_clear(&growth.time);
+    }
+    motion->lambda_se = -1;
+    motion->time = fmax(motion->time, r.discarded + r.time);
+    if (code == CNS_UNREACHED) {
+        snprintf(motion->note, sizeof motion->note, "no figure for chaos up to t = %.6g: %.180s",
+                 motion->time, r.note);
+        code = CNS_OK;
+    } else if (!code) {
+        const cns_exponent *e = r.exponent;
+        motion->time = r.discarded + r.time;
+        motion->transient = r.discarded;
+        motion->lambda = e->lambda;
+        motion->lambda_se = e->se;
+        if (e->lambda > sure * e->se && e->lambda * r.time > LEAST_GROWTH)
+            motion->mode = CNS_MODE_CHAOTIC;
+        else if (r.changes > 0)
+            snprintf(motion->note, sizeof motion->note,
+                     "chaos ends at t about %.3g, as far as double precision tells", r.change[0].t);
+    }
+    cns_lyapunov_result_clear(&r);
+    return code;
+}
+
+/* What is known of chaos besides: whether it need last. */
+static void note_chaos(const cns_system *s, const cns_monitor *monitor, cns_motion *motion)
+{
+    char names[128];
+    name_attractors(s, monitor, names, sizeof names);
+    snprintf(motion->note, sizeof motion->note, "up to t = %.6g%s%s", motion->time,
+             names[0] != '\0' ? "; it may end later: fixed points that attract: " : "", names);
 }
 
 /* How long a run with digits has to last: longer than it took others to settle; and longer than the last one
@@ -467,7 +544,7 @@ cns_code cns_classify(const cns_system *s, const cns_classify_spec *spec, const 
     cns_late last = {0}, late = {0};
     long digits = 0;
     double horizon = 0;
-    bool have_last = false, done = false;
+    bool have_last = false, done = false, patient = false;
     *motion = (cns_motion){.lambda_se = -1};
     cns_code code = cns_return_map_open(&S, s, spec->observable, spec->until, cns_monitor_stop(monitor), err);
     for (int round = 0; round < ROUNDS && !code && !done; round++) {
@@ -485,8 +562,13 @@ cns_code cns_classify(const cns_system *s, const cns_classify_spec *spec, const 
         motion->transient = late.transient;
         motion->time = late.time;
         done = true;
-        if (late.kind == CNS_LATE_CHAOS && (digits == 0 || late.trusted)) {
-            state_chaos(&late, motion);
+        if (late.kind == CNS_LATE_CHAOS || (late.kind == CNS_LATE_OPEN && digits == 0 && !late.trusted)) {
+            code = look_for_chaos(s, spec, late.time, monitor, motion, err);
+            if (motion->mode == CNS_MODE_CHAOTIC) {
+                list_maxima(&late, motion);
+                note_chaos(s, monitor, motion);
+            }
+            done = motion->mode == CNS_MODE_CHAOTIC || motion->note[0] != '\0';
         } else if (late.kind == CNS_LATE_STEADY && have_last && same(&S, &last, &late)) {
             if (cns_late_attracts(&S, &late))
                 motion->mode = CNS_MODE_STEADY;
@@ -496,6 +578,12 @@ cns_code cns_classify(const cns_system *s, const cns_classify_spec *spec, const 
         } else if (late.kind == CNS_LATE_CYCLE && late.trusted && have_last && same(&S, &last, &late)) {
             code = settle_cycle(&S, &late, digits, &short_of_digits, motion, err);
             done = !short_of_digits;
+        } else if (late.kind == CNS_LATE_OPEN && late.trusted && spec->until == 0 && !patient) {
+            S.limit *= PATIENCE;
+            patient = true;
+            done = false;
+            cns_late_clear(&late);
+            continue;
         } else if (late.kind == CNS_LATE_OPEN && late.trusted) {
             snprintf(motion->note, sizeof motion->note,
                      "neither a repetition nor a positive exponent up to t = %.6g", late.time);
