@@ -73,6 +73,10 @@ void cns_case_print(const cns_case *c, FILE *out);
 /* The keys of case files, with their ranges, defaults and meanings, in lines that may be long. */
 void cns_case_print_keys(FILE *out);
 
+/* The key of this name that says what `cns run` computes, "numerics.method" for "method"; NULL: there is
+ * none. */
+const char *cns_case_key_of_run(const char *name);
+
 const char *cns_case_column_name(const cns_case *c, int column); /* "t", a state or a derived quantity */
 
 CNS_END_DECLS

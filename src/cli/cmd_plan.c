@@ -12,7 +12,9 @@ enum { STANDARD_DECIMALS = 10 };
 static int parse_until(const char *text, cns_number *until)
 {
     cns_error err;
-    if (cns_number_parse(until, text, &err) || until->pi_power != 0 || cns_number_sign(until) <= 0)
+    if (cns_number_parse(until, text, &err))
+        return cns_complain(CNS_USAGE, "--until takes a rational number above 0; %s", err.text);
+    if (until->pi_power != 0 || cns_number_sign(until) <= 0)
         return cns_complain(CNS_USAGE, "--until takes a rational number above 0, not '%s'",
                             cns_quote(text).text);
     return 0;

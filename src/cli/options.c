@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cns/case.h"
 #include "cns/number.h"
 #include "cns/study/equilibria.h"
 #include "cns/study/laws.h"
@@ -136,8 +137,11 @@ static cns_code check_rational(parser *p, const option_row *row, const char *tex
     cns_number x;
     cns_error err;
     cns_number_init(&x);
-    bool good = !cns_number_parse(&x, text, &err) && cns_number_sign(&x) > 0 && x.pi_power == 0;
+    const cns_code parsed = cns_number_parse(&x, text, &err);
+    const bool good = !parsed && cns_number_sign(&x) > 0 && x.pi_power == 0;
     cns_number_clear(&x);
+    if (parsed)
+        return cns_fail(p->err, CNS_USAGE, "--%s takes a number > 0, such as 0.01; %s", row->name, err.text);
     return good ? CNS_OK
                 : cns_fail(p->err, CNS_USAGE, "--%s takes a number > 0, such as 0.01, not '%s'", row->name,
                            cns_quote(text).text);
@@ -203,11 +207,14 @@ static cns_code parse_long(parser *p, const char *text)
     }
     char *name = cns_xcopy_n(text, n);
     const char *nearest = cns_text_nearest(name, CNS_OPTIONS_END, option_name, NULL);
-    cns_code code = nearest != NULL
-                        ? cns_fail(p->err, CNS_USAGE, "unknown option --%s; did you mean --%s?",
-                                   cns_quote(name).text, nearest)
-                        : cns_fail(p->err, CNS_USAGE, "unknown option --%s; `cns help` lists the options",
-                                   cns_quote(name).text);
+    const char *key = cns_case_key_of_run(name);
+    cns_code code =
+        key != NULL       ? cns_fail(p->err, CNS_USAGE,
+                                     "unknown option --%s; it is a key of case files: --set %s=VALUE", name, key)
+        : nearest != NULL ? cns_fail(p->err, CNS_USAGE, "unknown option --%s; did you mean --%s?",
+                                     cns_quote(name).text, nearest)
+                          : cns_fail(p->err, CNS_USAGE, "unknown option --%s; `cns help` lists the options",
+                                     cns_quote(name).text);
     free(name);
     return code;
 }
@@ -215,6 +222,11 @@ static cns_code parse_long(parser *p, const char *text)
 /* -q, -qv, -o FILE, -oFILE */
 static cns_code parse_letters(parser *p, const char *letters)
 {
+    const char *equals = strchr(letters, '=');
+    const size_t n = equals != NULL ? (size_t)(equals - letters) : strlen(letters);
+    if (n > 1 && first_of_name(letters, n) < CNS_OPTIONS_END)
+        return cns_fail(p->err, CNS_USAGE, "-%s: write two hyphens, --%s", cns_quote(letters).text,
+                        cns_quote(letters).text);
     for (; *letters != '\0'; letters++) {
         int option = 0;
         while (option < CNS_OPTIONS_END && options[option].letter != *letters)
@@ -231,6 +243,14 @@ static cns_code parse_letters(parser *p, const char *letters)
     return CNS_OK;
 }
 
+/* Does it begin with a dash that editors and chats make of hyphens? U+2010 to U+2015, and U+2212. */
+static bool typographic_dash(const char *word)
+{
+    return (strncmp(word, "\xE2\x80", 2) == 0 && (unsigned char)word[2] >= 0x90 &&
+            (unsigned char)word[2] <= 0x95) ||
+           strncmp(word, "\xE2\x88\x92", 3) == 0;
+}
+
 static cns_code parse_word(parser *p, const char *word)
 {
     cns_options *o = p->o;
@@ -243,6 +263,11 @@ static cns_code parse_word(parser *p, const char *word)
         return CNS_OK;
     size_t n = strlen(word);
     const char *nearest = cns_command_nearest(word);
+    if (typographic_dash(word))
+        return cns_fail(p->err, CNS_USAGE, "'%s' begins with a typographic dash: write plain hyphens, --",
+                        cns_quote(word).text);
+    if (first_of_name(word, n) < CNS_OPTIONS_END)
+        return cns_fail(p->err, CNS_USAGE, "unknown command '%s'; did you mean --%s?", word, word);
     if (nearest != NULL)
         return cns_fail(p->err, CNS_USAGE, "unknown command '%s'; did you mean '%s'?", cns_quote(word).text,
                         nearest);
@@ -253,6 +278,47 @@ static cns_code parse_word(parser *p, const char *word)
                     cns_quote(word).text);
 }
 
+/* An option that other commands take: what to type instead. */
+static cns_code refuse_foreign(parser *p, int option)
+{
+    const cns_command *c = p->o->command, *other;
+    const char *name = options[option].name, *names[64];
+    const char *key = strcmp(name, "until") == 0 ? "time.end" : cns_case_key_of_run(name);
+    char list[256];
+    int n = 0;
+    if (c == &cns_command_run && key != NULL)
+        return cns_fail(p->err, CNS_USAGE, "--%s does not go with `cns run`; write --set %s=VALUE", name,
+                        key);
+    for (int i = 0; (other = cns_command_at(i)) != NULL; i++)
+        if (takes(other->options, option) && n < (int)(sizeof names / sizeof *names))
+            names[n++] = other->name;
+    cns_text_list(list, sizeof list, names, n);
+    return cns_fail(p->err, CNS_USAGE, "--%s does not go with `cns %s`, but with %s", name, c->name, list);
+}
+
+/* More words than the command takes: what was most likely meant. */
+static cns_code refuse_surplus(parser *p)
+{
+    const cns_options *o = p->o;
+    const cns_command *c = o->command;
+    const char *word = o->operands.at[c->most];
+    for (int i = 0; i < o->sets.n; i++) {
+        const char *equals = strchr(o->sets.at[i], '=');
+        if (equals == NULL || equals[1] == '\0')
+            return cns_fail(p->err, CNS_USAGE,
+                            "--set takes one argument, without spaces or in quotes: --set '%.*s=VALUE'",
+                            (int)strcspn(cns_quote(o->sets.at[i]).text, "="), cns_quote(o->sets.at[i]).text);
+    }
+    if (typographic_dash(word))
+        return cns_fail(p->err, CNS_USAGE, "'%s' begins with a typographic dash: write plain hyphens, --",
+                        cns_quote(word).text);
+    if (strchr(word, '=') != NULL && takes(c->options, CNS_OPTION_SET))
+        return cns_fail(p->err, CNS_USAGE, "one argument too many, '%s'; to override a value write --set %s",
+                        cns_quote(word).text, cns_quote(word).text);
+    return cns_fail(p->err, CNS_USAGE, "one argument too many, '%s': cns %s %s", cns_quote(word).text,
+                    c->name, c->operands);
+}
+
 static cns_code check_use(parser *p)
 {
     const cns_options *o = p->o;
@@ -261,12 +327,14 @@ static cns_code check_use(parser *p)
         return cns_fail(p->err, CNS_USAGE, "a command is missing; `cns help` lists the commands");
     for (int i = 0; i < CNS_OPTIONS_END; i++)
         if (p->seen[i] && !takes(c->options, i) && !takes(of_every_command, i))
-            return cns_fail(p->err, CNS_USAGE, "--%s does not go with `cns %s`", options[i].name, c->name);
+            return refuse_foreign(p, i);
+    if (o->operands.n > 0 && o->operands.n < c->least)
+        return cns_fail(p->err, CNS_USAGE, "only '%s' is given: cns %s %s", cns_quote(o->operands.at[0]).text,
+                        c->name, c->operands);
     if (o->operands.n < c->least)
         return cns_fail(p->err, CNS_USAGE, "%s is missing: cns %s %s", c->operands, c->name, c->operands);
     if (o->operands.n > c->most)
-        return cns_fail(p->err, CNS_USAGE, "one argument too many, '%s': cns %s %s",
-                        cns_quote(o->operands.at[c->most]).text, c->name, c->operands);
+        return refuse_surplus(p);
     if (o->quiet && o->verbose > 0)
         return cns_fail(p->err, CNS_USAGE, "--quiet and --verbose contradict each other");
     return CNS_OK;

@@ -272,6 +272,9 @@ static bool name_of_model(cns_case_reader *r, const cns_yaml_node *node, const c
     return true;
 }
 
+/* Of a state at the start and of a parameter: preliminary runs hold them, and small multiples, in doubles. */
+#define MOST "1e300"
+
 /* `parameters` and `initial`: numbers by the names of the model. Without a model the numbers are still
  * checked, into nothing. */
 static bool read_numbers(cns_case_reader *r, const cns_key *k, const cns_yaml_node *section)
@@ -305,6 +308,12 @@ static bool read_numbers(cns_case_reader *r, const cns_key *k, const cns_yaml_no
         else if (!cns_case_within(value, minimum, NULL))
             cns_faults_add(&r->faults, node->mark, "%s must be > %s for model %s, not '%s'", title, minimum,
                            m->name, cns_quote(node->text).text);
+        else if (!cns_case_within(value, "-" MOST, MOST))
+            cns_faults_add(&r->faults, node->mark,
+                           "%s must be between -" MOST " and " MOST
+                           ", where runs in double precision can plan for it, "
+                           "not '%s'",
+                           title, cns_quote(node->text).text);
     }
     cns_number_clear(&spare);
     return true;

@@ -42,6 +42,16 @@ static const cns_key *find(const char *path, size_t length)
     return NULL;
 }
 
+const char *cns_case_key_of_run(const char *name)
+{
+    static const cns_key_id sections[] = {K_TIME, K_GOAL, K_NUMERICS};
+    for (const cns_key *k = cns_keys; k < cns_keys + CNS_KEYS; k++)
+        for (size_t i = 0; i < sizeof sections / sizeof *sections; i++)
+            if (cns_key_section(k) == &cns_keys[sections[i]] && strcmp(cns_key_name(k), name) == 0)
+                return k->path;
+    return NULL;
+}
+
 const char *cns_key_name(const cns_key *k)
 {
     const char *dot = strrchr(k->path, '.');

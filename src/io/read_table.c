@@ -7,6 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "case_internal.h"
 #include "core/memory.h"
 #include "core/text.h"
 #include "num/exact_decimal.h"
@@ -409,6 +410,11 @@ static cns_code read_header(cns_table_reader *r, cns_error *err)
         if (!read_content(r, &code, err))
             return code ? code : wrong(r, 1, err, "no header line: this is not a table");
     while (read_separator(r));
+    const size_t word = strcspn(r->line, ":");
+    for (const cns_key *k = cns_keys; k < cns_keys + CNS_KEYS; k++)
+        if (r->line[word] == ':' && (r->line[word + 1] == ' ' || r->line[word + 1] == '\0') &&
+            strlen(k->path) == word && strncmp(r->line, k->path, word) == 0)
+            return wrong(r, 1, err, "this looks like a case file, not a table: `cns run` makes the table");
     char *whole = cns_xcopy(r->line);
     if (!r->separator)
         r->separator = separator_of(r->line);

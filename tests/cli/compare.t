@@ -176,5 +176,5 @@ $ cns compare a.csv none.csv || echo $?; cns compare - - || echo $?; cns compare
 2> cns: a.csv:3:3: '2x' in column 'u': not a number
 2> re:^cns: cannot read none\.csv: 
 2> re:standard input
-2> re:^cns: A B is missing
+2> cns: only 'a.csv' is given: cns compare A B
 ? 2

@@ -131,3 +131,47 @@ $ for f in e f g; do cns check $f || true; sed 's/,5//' $f > h; cns check -q h; 
 2> e:2:13: '1,5' is two values; write a point for the decimal comma: 1.5
 2> f:2:13: '1,5' is two values; write a point for the decimal comma: 1.5
 2> g:2:13: '1,5' is two values; write a point for the decimal comma: 1.5
+
+= the command line: what was meant, and how it is written
+$ cp "$CASES"/rest.yaml g.yaml; printf 't,x\n0,1\n' > a.csv; say() { cns "$@" || true; }
+$ say run g.yaml --out x; say run g.yaml -output x; say run g.yaml --set goal.decimals 7; say run g.yaml --set goal.decimals = 7; say run g.yaml --set =..; say run g.yaml --set=..
+$ say run g.yaml goal.decimals=3; say run g.yaml --decimals 5; say run g.yaml --until 5; say run g.yaml --method rk4; say run g.yaml --sweep I=1:2:1; say lyapunov g.yaml --until 5
+$ say run g.yaml —set goal.decimals=3; say –h; say version; say plan g.yaml --until 1,5; say tc g.yaml --delta 0,01; say compare a.csv
+2> cns: unknown option --out; did you mean --output?
+2> cns: -output: write two hyphens, --output
+2> cns: --set takes one argument, without spaces or in quotes: --set 'goal.decimals=VALUE'
+2> cns: --set takes one argument, without spaces or in quotes: --set 'goal.decimals=VALUE'
+2> --set =..: write SECTION.KEY=VALUE, as in numerics.digits=80
+2> --set ..: write SECTION.KEY=VALUE, as in numerics.digits=80
+2> cns: one argument too many, 'goal.decimals=3'; to override a value write --set goal.decimals=3
+2> cns: --decimals does not go with `cns run`; write --set goal.decimals=VALUE
+2> cns: --until does not go with `cns run`; write --set time.end=VALUE
+2> cns: unknown option --method; it is a key of case files: --set numerics.method=VALUE
+2> re:^cns: --sweep does not go with `cns run`, but with .*classify
+2> re:^cns: --until does not go with `cns lyapunov`, but with .*plan
+2> cns: '—set' begins with a typographic dash: write plain hyphens, --
+2> cns: '–h' begins with a typographic dash: write plain hyphens, --
+2> cns: unknown command 'version'; did you mean --version?
+2> cns: --until takes a rational number above 0; '1,5' is not a number: write a point for the decimal comma, as in 1.5
+2> cns: --delta takes a number > 0, such as 0.01; '0,01' is not a number: write a point for the decimal comma, as in 1.5
+2> cns: only 'a.csv' is given: cns compare A B
+
+= a table given as a case, a case as a table, a directory as either
+$ cns run -q "$CASES"/rest.yaml --set time.end=1 > a.csv; cp "$CASES"/lorenz.yaml g.yaml; mkdir d; : > empty
+$ cns run a.csv || cns compare a.csv g.yaml || cns compare g.yaml a.csv || cns compare a.csv empty || cns run d || cns compare a.csv d
+2> re:^a.csv:[0-9]+:1: a case file is a mapping of keys to values, not a single value; is this a table\? `cns help case` lists what a case file says$
+2> re:^cns: g.yaml:[0-9]+:1: this looks like a case file, not a table: `cns run` makes the table$
+2> re:^cns: g.yaml:[0-9]+:1: this looks like a case file, not a table: `cns run` makes the table$
+2> cns: empty:1:1: no header line: this is not a table
+2> cns: cannot read d: Is a directory
+2> cns: cannot read d: Is a directory
+? 4
+
+= a state or parameter that no double holds is refused before any work, a large angle runs
+$ cns run "$CASES"/rest.yaml --set initial.theta=1e400 || cns run "$CASES"/lorenz.yaml --set initial.x=-1e400 --set parameters.R=1e301 || echo $?
+$ cns run -q "$CASES"/rest.yaml --set initial.theta=1e12 --set initial.Vy=0.01 --set time.end=1 --set time.every=1 -o a.csv; tail -n 1 a.csv
+> 2
+> # complete
+2> --set initial.theta=1e400: 'theta' in 'initial' must be between -1e300 and 1e300, where runs in double precision can plan for it, not '1e400'
+2> --set initial.x=-1e400: 'x' in 'initial' must be between -1e300 and 1e300, where runs in double precision can plan for it, not '-1e400'
+2> --set parameters.R=1e301: 'R' in 'parameters' must be between -1e300 and 1e300, where runs in double precision can plan for it, not '1e301'

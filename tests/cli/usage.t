@@ -173,7 +173,7 @@ $ for o in '-o a --output=b' '--yaml=3' '--threads' '--threads 0' '--until 3' '-
 2> cns: --yaml takes no value
 2> cns: --threads needs a value: --threads N
 2> cns: --threads takes an integer from 1 to 4096, not '0'
-2> cns: --until does not go with `cns run`
+2> cns: --until does not go with `cns run`; write --set time.end=VALUE
 2> cns: --quiet and --verbose contradict each other
 2> cns: unknown option -Z; `cns help` lists the options
 2> cns: --output needs a name
