@@ -4,7 +4,9 @@
 #include <string.h>
 
 #include "commands.h"
+#include "io/provenance.h"
 #include "report.h"
+#include "signals.h"
 
 static void print_multipliers(FILE *out, const cns_eigenvalue *m, int n, int width)
 {
@@ -98,16 +100,94 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
     cns_summary_long(s, "proof_digits", o->coarse_digits);
 }
 
-static const cns_view view = {.text = print_text, .yaml = print_yaml};
-
-static int run(cns_context *cx)
+static int find(cns_context *cx)
 {
+    static const cns_view view = {.text = print_text, .yaml = print_yaml};
     cns_orbit *o = NULL;
     cns_error err = {0};
     cns_code code = cns_orbit_find(cx->system, &cx->c->orbit, &cx->monitor, &o, &err);
     int status = cns_report(cx, code, &err, &view, o);
     cns_orbit_free(o);
     return status;
+}
+
+/* What a sweep found. */
+typedef struct found_branch {
+    cns_sweep sweep;
+    cns_branch *branch;
+    const char *reason; /* why it ends early; NULL: it does not */
+} found_branch;
+
+static void print_header(FILE *out, const cns_model *m, const found_branch *found)
+{
+    const cns_orbit *o = found->branch->point[0].orbit;
+    fprintf(out, "%s,crossing,period,repetitions,winding", m->parameters[found->sweep.parameter].name);
+    for (int k = 0; k < o->d; k++)
+        fprintf(out, ",%s", m->states[o->index[k]].name);
+    for (int i = 0; i < o->n_states; i++)
+        if (o->drift[i] != NULL)
+            fprintf(out, ",drift_%s", m->states[i].name);
+    fputs(",stability,unstable", out);
+    for (int k = 1; k < o->d; k++)
+        fprintf(out, ",multiplier%d,multiplier%d_im", k, k);
+    for (int k = 1; k < o->d; k++)
+        fprintf(out, ",repetition%d,repetition%d_im", k, k);
+    fputs(",decimals\n", out);
+}
+
+static void print_row(FILE *out, const cns_branch_point *p)
+{
+    const cns_orbit *o = p->orbit;
+    fprintf(out, "%s,%s,%s,%d,%ld", p->parameter, cns_crossing_name(p->crossing), o->period, o->repetitions,
+            o->winding);
+    for (int k = 0; k < o->d; k++)
+        fprintf(out, ",%s", o->state[k]);
+    for (int i = 0; i < o->n_states; i++)
+        if (o->drift[i] != NULL)
+            fprintf(out, ",%s", o->drift[i]);
+    fprintf(out, ",%s,%d", o->stability, o->unstable);
+    for (int k = 0; k < o->d - 1; k++)
+        fprintf(out, ",%s,%s", o->multiplier[k].re, o->multiplier[k].im);
+    for (int k = 0; k < o->d - 1; k++)
+        fprintf(out, ",%s,%s", o->repetition[k].re, o->repetition[k].im);
+    fprintf(out, ",%ld\n", o->decimals);
+}
+
+static void print_branch(FILE *out, const cns_context *cx, const void *result)
+{
+    const found_branch *found = result;
+    const cns_branch *b = found->branch;
+    cns_provenance_begin(out, cx->c, "periodic orbits of ", CNS_PROVENANCE_CASE);
+    fprintf(out, "# sweep: %s\n", cx->o->sweep);
+    if (b->note[0] != '\0')
+        fprintf(out, "# %s\n", b->note);
+    print_header(out, cx->c->model, found);
+    for (int i = 0; i < b->n; i++)
+        print_row(out, &b->point[i]);
+    cns_provenance_end(out, found->reason);
+}
+
+static int follow(cns_context *cx)
+{
+    static const cns_view view = {.text = print_branch};
+    found_branch found = {.branch = NULL};
+    cns_error err = {0};
+    if (cns_sweep_parse(&found.sweep, cx->c->model, cx->o->sweep, &err))
+        return cns_complain(err.code, "--sweep: %s", err.text);
+    cns_code code =
+        cns_orbit_follow(cx->system, &cx->c->orbit, &found.sweep, &cx->monitor, &found.branch, &err);
+    found.reason = !code ? NULL : cns_signal_stop ? cns_signal_text() : err.text;
+    int status = cns_report(cx, code, &err, &view, found.branch->n > 0 ? &found : NULL);
+    cns_branch_free(found.branch);
+    cns_sweep_clear(&found.sweep);
+    return status;
+}
+
+static int run(cns_context *cx)
+{
+    if (cx->o->sweep != NULL && cx->o->yaml)
+        return cns_complain(CNS_USAGE, "--sweep prints a table: it does not go with --yaml");
+    return cx->o->sweep != NULL ? follow(cx) : find(cx);
 }
 
 const cns_command cns_command_orbit = {
@@ -119,5 +199,6 @@ const cns_command cns_command_orbit = {
     .most = 1,
     .summary = "a periodic orbit, its period and Floquet multipliers",
     .details = "A periodic orbit.\n",
-    .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_MAX_TIME, CNS_OPTION_QUIET),
+    .options =
+        CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_SWEEP, CNS_OPTION_MAX_TIME, CNS_OPTION_QUIET),
 };

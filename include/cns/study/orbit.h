@@ -21,6 +21,7 @@
 
 #include "cns/monitor.h"
 #include "cns/study/equilibria.h"
+#include "cns/study/sweep.h"
 #include "cns/system.h"
 
 CNS_BEGIN_DECLS
@@ -41,6 +42,7 @@ typedef struct cns_orbit {
     int held;        /* and which of the states was held */
     char **state;    /* d texts: where the orbit begins */
     char *period;
+    char *parameter; /* where it is one of a branch at which something happens: the value; else NULL */
     int repetitions; /* in a period: 1, unless a part of it makes the motion an image of itself */
     char symmetry[CNS_ORBIT_TEXT]; /* which image, in the names of the model; "" */
     long winding;                  /* whole revolutions of the angle in a period */
@@ -62,6 +64,43 @@ typedef struct cns_orbit {
 cns_code cns_orbit_find(const cns_system *s, const cns_orbit_spec *spec, const cns_monitor *monitor,
                         cns_orbit **result, cns_error *err);
 void cns_orbit_free(cns_orbit *o);
+
+/* What happens to a branch of orbits where a multiplier crosses the unit circle. The multiplier meant is that
+ * of one repetition. */
+typedef enum cns_crossing {
+    CNS_CROSSING_NONE,
+    CNS_CROSSING_FOLD,          /* 1: the branch turns back */
+    CNS_CROSSING_BRANCH_POINT,  /* 1: another branch crosses it */
+    CNS_CROSSING_DOUBLING,      /* -1: an orbit of twice the period branches off */
+    CNS_CROSSING_SYMMETRY,      /* -1, of half a period or another even part: the multiplier of the period
+                                   is 1, and orbits of the same period without the symmetry branch off, which
+                                   repeat after two repetitions */
+    CNS_CROSSING_NEIMARK_SACKER /* a complex pair: a torus branches off */
+} cns_crossing;
+
+const char *cns_crossing_name(cns_crossing crossing);
+
+typedef struct cns_branch_point {
+    char *parameter; /* exact; of a crossing, to the decimals of the orbit */
+    cns_crossing crossing;
+    cns_orbit *orbit;
+} cns_branch_point;
+
+typedef struct cns_branch {
+    int n;
+    cns_branch_point *point; /* along the branch */
+    char note[256];          /* why it ends early, or what it became; else empty */
+} cns_branch;
+
+/* The orbit for each value of a sweep, beginning with that of `spec` at the first, each from those before;
+ * and, between them, every crossing, located as the zero of det(P + 1), det(P - 1) or the product of all
+ * 1 - mu_i mu_j, where P is the derivative of the return map, by secants in two precisions. A branch that
+ * turns back is followed around its fold, and ends there. *result, a new branch, holds what there is
+ * whatever is returned. CNS_UNREACHED: the branch ends before the last value, or some decimals are missing.
+ */
+cns_code cns_orbit_follow(const cns_system *s, const cns_orbit_spec *spec, const cns_sweep *sweep,
+                          const cns_monitor *monitor, cns_branch **result, cns_error *err);
+void cns_branch_free(cns_branch *b);
 
 CNS_END_DECLS
 

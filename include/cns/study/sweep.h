@@ -17,6 +17,8 @@ typedef struct cns_sweep {
 cns_code cns_sweep_parse(cns_sweep *s, const cns_model *model, const char *text, cns_error *err);
 void cns_sweep_clear(cns_sweep *s);
 int cns_sweep_count(const cns_sweep *s);
+/* x = from + i step; its text is a decimal where it is one. */
+void cns_sweep_value(const cns_sweep *s, int i, cns_number *x);
 
 /* The columns of a row. */
 #define CNS_SWEEP_HEADER                                                                                     \

@@ -97,8 +97,7 @@ int cns_sweep_count(const cns_sweep *s)
     return (int)count;
 }
 
-/* from + i step, with its text: a decimal where it is one. */
-static void value_at(const cns_sweep *s, int i, cns_number *x)
+void cns_sweep_value(const cns_sweep *s, int i, cns_number *x)
 {
     cns_error err;
     mpq_t q;
@@ -119,7 +118,7 @@ static void name(void *context, int i, char *text, size_t size)
     const jobs *j = context;
     cns_number x;
     cns_number_init(&x);
-    value_at(j->sweep, i, &x);
+    cns_sweep_value(j->sweep, i, &x);
     snprintf(text, size, "%s=%s", cns_system_model(j->system)->parameters[j->sweep->parameter].name,
              cns_ensemble_word_for(x.text).text);
     cns_number_clear(&x);
@@ -185,7 +184,7 @@ static cns_code run(void *context, int i, cns_ensemble_job *job, char **result, 
     cns_motion motion;
     cns_number x;
     cns_number_init(&x);
-    value_at(j->sweep, i, &x);
+    cns_sweep_value(j->sweep, i, &x);
     cns_code code = classify(j, &x, &motion, err);
     cns_ensemble_tell(job, 1);
     if (!code || code == CNS_NUMERIC || code == CNS_UNREACHED) {

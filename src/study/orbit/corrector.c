@@ -299,6 +299,10 @@ static cns_code solve(cns_corrected *c, evaluation *e, cns_error *err)
     e->had = true;
     c->step_log2 = size_log2(e->step);
     c->noise_log2 = c->inverse_log2 + c->growth_log2 + SLACK_BITS - (double)c->shooting.prec;
+    if (c->inverse_log2 > (double)c->shooting.prec / 2)
+        return cns_fail(err, CNS_UNREACHED,
+                        "the orbit is not isolated: another multiplier than that along it is 1, or the "
+                        "section does not cross it");
     return CNS_OK;
 }
 

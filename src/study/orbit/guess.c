@@ -11,9 +11,10 @@
 
 enum {
     DIGITS = CNS_ORBIT_FIRST_DIGITS,
-    RECURRENCES = 4000, /* returns that are looked through for one that repeats, after */
+    RECURRENCES = 2000, /* returns that are looked through for one that repeats, after */
     TRANSIENT = 200,    /* so many */
     CANDIDATES = 12,    /* the best of them, from which Newton's method starts */
+    MOST_AUTO = 8,      /* returns of a cycle that is looked for unasked */
     MOST_STEPS = 400000
 };
 
@@ -71,6 +72,7 @@ static void take(cns_loop *l, const cns_return_map *S, const cns_cycle *c, mpfr_
             l->held = k;
     }
     cns_number_set(&l->held_value, &S->section.value);
+    cns_number_get_mpfr(u[l->held], &l->held_value);
     mpfr_set(u[l->d], c->time, MPFR_RNDN);
 }
 
@@ -134,18 +136,17 @@ static double gap(const cns_return_map *S, const history *h, int a, int b)
 
 /* A cycle of so many returns that the motion comes near to: Newton's method from where it best repeats itself
  * after so many. */
-static cns_code near_cycle(cns_loop *l, const cns_return_map *S, int returns, mpfr_t *u, cns_error *err)
+static cns_code near_cycle(cns_loop *l, const cns_return_map *S, const history *h, int returns, mpfr_t *u,
+                           bool *found, cns_error *err)
 {
-    history h;
-    bool found = false;
-    cns_code code = follow(S, &h, err);
+    cns_code code = CNS_OK;
     mpfr_t *z = cns_vector_xnew(S->d, cns_modes_bits(DIGITS));
     double last = -1;
-    for (int try = 0; try < CANDIDATES && !code && !found; try++) {
+    for (int try = 0; try < CANDIDATES && !code && !*found; try++) {
         int best = -1;
         double least = HUGE_VAL;
-        for (int j = 0; j + returns < h.n; j++) {
-            const double g = gap(S, &h, j, j + returns);
+        for (int j = 0; j + returns < h->n; j++) {
+            const double g = gap(S, h, j, j + returns);
             if (g > last && g < least) {
                 least = g;
                 best = j;
@@ -155,22 +156,35 @@ static cns_code near_cycle(cns_loop *l, const cns_return_map *S, int returns, mp
             break;
         last = least;
         for (int i = 0; i < S->d; i++)
-            mpfr_set_d(z[i], h.z[best * S->d + i], MPFR_RNDN);
+            mpfr_set_d(z[i], h->z[best * S->d + i], MPFR_RNDN);
         const bool mirrors = S->motion != NULL && S->motion->mirror_sign != NULL;
         cns_error ignored;
-        const cns_code tried = newton(l, S, z, returns, mirrors ? 1 : h.direction[best], u, &ignored);
-        found = !tried;
+        const cns_code tried =
+            newton(l, S, (const mpfr_t *)z, returns, mirrors ? 1 : h->direction[best], u, &ignored);
+        *found = !tried;
         if (tried && tried != CNS_UNREACHED && tried != CNS_NUMERIC)
             code = cns_fail(err, tried, "%s", ignored.text);
     }
     cns_vector_free(z);
+    return code;
+}
+
+/* The same; returns 0: of as few as there are. */
+static cns_code near_some_cycle(cns_loop *l, const cns_return_map *S, int returns, mpfr_t *u, cns_error *err)
+{
+    history h;
+    bool found = false;
+    const int most = returns > 0 ? returns : MOST_AUTO;
+    cns_code code = follow(S, &h, err);
+    for (int n = returns > 0 ? returns : 1; n <= most && !code && !found; n++)
+        code = near_cycle(l, S, &h, n, u, &found, err);
     free(h.z);
     free(h.direction);
-    if (!code && !found)
-        code = cns_fail(err, CNS_NUMERIC,
-                        "no cycle of %d returns was found near the motion; a guess with its period may help",
-                        returns);
-    return code;
+    if (code || found)
+        return code;
+    return cns_fail(err, CNS_NUMERIC,
+                    "no cycle of %s%d returns was found near the motion; a guess with its period may help",
+                    returns > 0 ? "" : "up to ", most);
 }
 
 static cns_code from_motion(cns_loop *l, const cns_orbit_spec *spec, mpfr_t *u, const cns_monitor *monitor,
@@ -189,7 +203,7 @@ static cns_code from_motion(cns_loop *l, const cns_orbit_spec *spec, mpfr_t *u, 
     } else if (late.kind == CNS_LATE_CYCLE && (spec->returns == 0 || spec->returns == late.returns)) {
         code = newton(l, &S, (const mpfr_t *)late.z, late.returns, late.direction, u, err);
     } else {
-        code = near_cycle(l, &S, spec->returns > 0 ? (int)spec->returns : 1, u, err);
+        code = near_some_cycle(l, &S, (int)spec->returns, u, err);
     }
     cns_late_clear(&late);
     cns_return_map_close(&S);

@@ -18,7 +18,7 @@
 enum {
     PARTS = 12, /* of a period that may make the motion an image of itself */
     TRIES = 5,  /* with more digits each */
-    SPARE = 6   /* digits beyond those that the growth of noise asks for */
+    SPARE = 12  /* digits beyond those that the growth of noise asks for */
 };
 
 static const double same = 1e-9; /* distances, in scales, below which states are the same */
@@ -45,24 +45,18 @@ static cns_code correct_in_place(const cns_loop *l, mpfr_t *u, cns_error *err)
     return code;
 }
 
-cns_code cns_orbit_settle(cns_loop *l, mpfr_t *u, cns_error *err)
+cns_code cns_orbit_shorten(cns_loop *l, mpfr_t *u, bool *found, cns_error *err)
 {
     const cns_shooting_spec spec = {.system = l->system, .digits = CNS_ORBIT_FIRST_DIGITS, .stop = l->stop};
     cns_shooting s;
-    bool found = false;
+    *found = false;
     cns_code code = cns_shooting_open(&s, &spec, err);
-    if (!code)
-        code = run_to(l, u, 1, &s, err);
-    if (!code)
-        cns_loop_match(l, u, s.x, &l->image, &l->turns);
-    if (!code)
-        code = correct_in_place(l, u, err);
-    for (int parts = PARTS; parts > 1 && !code && !found; parts--) {
+    for (int parts = PARTS; parts > 1 && !code && !*found; parts--) {
         int image;
         long turns;
         code = run_to(l, u, parts, &s, err);
-        found = !code && cns_loop_match(l, u, s.x, &image, &turns) < same;
-        if (found) {
+        *found = !code && cns_loop_match(l, u, s.x, &image, &turns) < same;
+        if (*found) {
             mpfr_div_ui(u[l->d], u[l->d], (unsigned long)parts, MPFR_RNDN);
             l->image = image;
             l->turns = turns;
@@ -73,27 +67,38 @@ cns_code cns_orbit_settle(cns_loop *l, mpfr_t *u, cns_error *err)
     return code;
 }
 
-cns_code cns_orbit_raise(const cns_loop *l, long digits, const cns_chord *chord, const mpfr_t *u,
-                         cns_corrected *c, cns_error *err)
+cns_code cns_orbit_settle(cns_loop *l, mpfr_t *u, cns_error *err)
+{
+    const cns_shooting_spec spec = {.system = l->system, .digits = CNS_ORBIT_FIRST_DIGITS, .stop = l->stop};
+    cns_shooting s;
+    bool found;
+    cns_code code = cns_shooting_open(&s, &spec, err);
+    if (!code)
+        code = run_to(l, u, 1, &s, err);
+    if (!code)
+        cns_loop_match(l, u, s.x, &l->image, &l->turns);
+    if (!code)
+        code = correct_in_place(l, u, err);
+    cns_shooting_close(&s);
+    return code ? code : cns_orbit_shorten(l, u, &found, err);
+}
+
+cns_code cns_orbit_raise(const cns_loop *l, long digits, const mpfr_t *u, cns_corrected *c, cns_error *err)
 {
     long at = CNS_ORBIT_FIRST_DIGITS;
     cns_code code = CNS_OK;
-    const mpfr_t *from = u;
     mpfr_t *better = NULL;
-    while (2 * at < digits && !code) { /* Newton's method doubles digits: no more than it can use */
+    while (2 * at < digits && !code) {
         at *= 2;
-        code = cns_correct(l, at, false, chord, from, c, err);
-        if (!code) {
-            mpfr_t *next = c->u;
-            c->u = NULL;
-            cns_vector_free(better);
-            better = next;
-            from = (const mpfr_t *)better;
-        }
+        code = cns_correct(l, at, false, NULL, better != NULL ? (const mpfr_t *)better : u, c, err);
+        mpfr_t *next = c->u;
+        c->u = NULL;
         cns_corrected_close(c);
+        cns_vector_free(better);
+        better = next;
     }
     if (!code)
-        code = cns_correct(l, digits, false, chord, from, c, err);
+        code = cns_correct(l, digits, false, NULL, better != NULL ? (const mpfr_t *)better : u, c, err);
     cns_vector_free(better);
     return code;
 }
@@ -145,11 +150,11 @@ typedef struct proven {
     long digits;
     int order;
     long winding;
-    arb_ptr state, drift; /* d; n */
-    arb_t period;
-    arb_mat_t matrix;      /* of the return map */
-    cns_spectrum spectrum; /* of a repetition */
-    acb_ptr full;          /* of a period */
+    arb_ptr state, drift;    /* d; n */
+    arb_t period, parameter; /* the latter of a point that was located */
+    arb_mat_t matrix;        /* of the return map */
+    cns_spectrum spectrum;   /* of a repetition */
+    acb_ptr full;            /* of a period */
     double kantorovich_log2, difference_log2;
 } proven;
 
@@ -161,6 +166,7 @@ static void open_proven(proven *p, const cns_loop *l)
     p->drift = _arb_vec_init(l->n);
     p->full = _acb_vec_init(l->d - 1);
     arb_init(p->period);
+    arb_init(p->parameter);
     arb_mat_init(p->matrix, l->d - 1, l->d - 1);
     cns_spectrum_init(&p->spectrum, l->d - 1);
 }
@@ -181,6 +187,7 @@ static void close_proven(proven *p, const cns_loop *l)
     _arb_vec_clear(p->drift, l->n);
     _acb_vec_clear(p->full, l->d - 1);
     arb_clear(p->period);
+    arb_clear(p->parameter);
     arb_mat_clear(p->matrix);
     cns_spectrum_clear(&p->spectrum);
 }
@@ -226,6 +233,9 @@ static cns_code into_balls(const cns_loop *l, proven *p, cns_error *err)
     for (int i = 0; i < l->n; i++)
         cns_ball_of(p->drift + i, p->fine_drifts.x[i], p->coarse_drifts.x[i],
                     noise + cns_log2_2exp(cns_system_scales(l->system)[i], 0) + cns_log2_mpfr(x));
+    if (l->parameter >= 0)
+        cns_ball_of(p->parameter, p->fine.u[l->d + 1], p->coarse.u[l->d + 1],
+                    noise + cns_log2_2exp(l->parameter_scale, 0));
     mpfr_clears(x, y, (mpfr_ptr)0);
     cns_code code = kantorovich(p, err);
     if (!code)
@@ -238,13 +248,13 @@ static cns_code into_balls(const cns_loop *l, proven *p, cns_error *err)
     return code;
 }
 
-static cns_code two_solutions(const cns_loop *l, const mpfr_t *u, proven *p, cns_error *err)
+static cns_code two_solutions(const cns_loop *l, const cns_orbit_solver *solver, proven *p, cns_error *err)
 {
     const long coarse = p->digits - CNS_ANOTHER_LIMB;
     drop_solutions(p);
-    cns_code code = cns_orbit_raise(l, coarse, NULL, u, &p->coarse, err);
+    cns_code code = solver->solve(solver->context, l, coarse, false, NULL, &p->coarse, err);
     if (!code)
-        code = cns_correct(l, p->digits, true, NULL, (const mpfr_t *)p->coarse.u, &p->fine, err);
+        code = solver->solve(solver->context, l, p->digits, true, (const mpfr_t *)p->coarse.u, &p->fine, err);
     if (!code)
         code = measure_drifts(l, &p->coarse, coarse, false, p->order, &p->coarse_drifts, err);
     if (!code)
@@ -279,6 +289,7 @@ static void clear_texts(cns_orbit *o)
         free(o->repetition[i].im);
     }
     free(o->period);
+    free(o->parameter);
     free(o->state);
     free(o->drift);
     free(o->multiplier);
@@ -327,6 +338,7 @@ static bool describe(const cns_loop *l, const proven *p, long decimals, cns_orbi
     o->repetition = cns_xalloc((size_t)d, sizeof *o->repetition);
     o->decimals = decimals;
     bool certain = give(&o->period, p->period, decimals);
+    certain = (l->parameter < 0 || give(&o->parameter, p->parameter, decimals)) && certain;
     for (int k = 0; k < d; k++)
         certain = give(&o->state[k], p->state + k, decimals) && certain;
     for (int i = 0, k = 0; i < l->n; i++) {
@@ -373,7 +385,22 @@ static cns_orbit *new_orbit(const cns_loop *l, const proven *p)
     return o;
 }
 
-cns_code cns_orbit_prove(const cns_loop *l, const mpfr_t *u, long decimals, cns_orbit **result,
+/* The decimals, at most so many, to which all of it is certain, and the texts with them. */
+static long reach(const cns_loop *l, const proven *p, long decimals, cns_orbit *o)
+{
+    while (decimals >= 0 && !describe(l, p, decimals, o))
+        decimals--;
+    return decimals;
+}
+
+cns_code cns_orbit_at(void *context, const cns_loop *l, long digits, bool fine, const mpfr_t *near,
+                      cns_corrected *c, cns_error *err)
+{
+    return near != NULL ? cns_correct(l, digits, fine, NULL, near, c, err)
+                        : cns_orbit_raise(l, digits, context, c, err);
+}
+
+cns_code cns_orbit_prove(const cns_loop *l, const cns_orbit_solver *solver, long decimals, cns_orbit **result,
                          cns_error *err)
 {
     proven p;
@@ -384,13 +411,12 @@ cns_code cns_orbit_prove(const cns_loop *l, const mpfr_t *u, long decimals, cns_
     cns_code code = CNS_OK;
     for (int attempt = 0; attempt < TRIES && !code && reached < decimals; attempt++) {
         p.digits = decimals + loss + CNS_ANOTHER_LIMB;
-        code = two_solutions(l, u, &p, err);
+        code = two_solutions(l, solver, &p, err);
         if (code)
             break;
         if (o == NULL)
             o = new_orbit(l, &p);
-        for (reached = decimals; reached >= 0 && !describe(l, &p, reached, o); reached--)
-            ;
+        reached = reach(l, &p, decimals, o);
         o->digits = p.digits;
         o->coarse_digits = p.digits - CNS_ANOTHER_LIMB;
         o->newton = p.coarse.turns;
@@ -426,7 +452,7 @@ cns_code cns_orbit_find(const cns_system *s, const cns_orbit_spec *spec, const c
     if (!code)
         code = cns_orbit_settle(&l, u, err);
     if (!code)
-        code = cns_orbit_prove(&l, (const mpfr_t *)u, spec->decimals, result, err);
+        code = cns_orbit_prove(&l, &(cns_orbit_solver){cns_orbit_at, u}, spec->decimals, result, err);
     cns_vector_free(u);
     cns_loop_close(&l);
     return code == CNS_UNREACHED && *result == NULL ? (err->code = CNS_NUMERIC) : code;

@@ -17,12 +17,27 @@ cns_code cns_orbit_guess(cns_loop *l, const cns_orbit_spec *spec, mpfr_t *u, con
  * after which the orbit is an image of itself, and that image. u becomes the solution. */
 cns_code cns_orbit_settle(cns_loop *l, mpfr_t *u, cns_error *err);
 
-/* From the first solution u (whose last number is the parameter, if one varies) to the orbit. */
-cns_code cns_orbit_prove(const cns_loop *l, const mpfr_t *u, long decimals, cns_orbit **result,
+/* Is the orbit an image of itself after a part of its time? Then that part, and that image, are the loop's.
+ */
+cns_code cns_orbit_shorten(cns_loop *l, mpfr_t *u, bool *found, cns_error *err);
+
+/* What an orbit is that is to be proven: a solution with so many digits. near: a coarser one, or NULL. */
+typedef struct cns_orbit_solver {
+    cns_code (*solve)(void *context, const cns_loop *l, long digits, bool fine, const mpfr_t *near,
+                      cns_corrected *c, cns_error *err);
+    void *context;
+} cns_orbit_solver;
+
+/* The orbit at the loop's own parameters; context: the first solution. */
+cns_code cns_orbit_at(void *context, const cns_loop *l, long digits, bool fine, const mpfr_t *near,
+                      cns_corrected *c, cns_error *err);
+
+/* Two solutions, and what they say of the orbit, with the parameter if one varies. */
+cns_code cns_orbit_prove(const cns_loop *l, const cns_orbit_solver *solver, long decimals, cns_orbit **result,
                          cns_error *err);
 
-/* Digits of Newton's method, raised from those of u to `digits`. u becomes no better. */
-cns_code cns_orbit_raise(const cns_loop *l, long digits, const cns_chord *chord, const mpfr_t *u,
-                         cns_corrected *c, cns_error *err);
+/* The orbit near u at the loop's own parameters with so many digits: these are raised by and by, as Newton's
+ * method doubles those that are right. */
+cns_code cns_orbit_raise(const cns_loop *l, long digits, const mpfr_t *u, cns_corrected *c, cns_error *err);
 
 #endif
