@@ -89,8 +89,10 @@ START_TEST(points_by_another_route)
 {
     static const char *const texts[] = {
         START "time: {end: 500, every: 1/8}\nlaws: {digits: {from: 12, to: 16, by: 4}}\n",
-        START "time: {end: 500, every: 1/8}\nlaws: {observable: y, digits: {from: 12, to: 16, by: 4}}\n"};
-    for (int k = 0; k < 2; k++) {
+        START "time: {end: 500, every: 1/8}\nlaws: {observable: y, digits: {from: 12, to: 16, by: 4}}\n",
+        START "time: {end: 500, every: 1/8}\n"
+              "laws: {observable: y, criterion: rows, digits: {from: 12, to: 16, by: 4}}\n"};
+    for (int k = 0; k < 3; k++) {
         outcome o;
         load(&o, texts[k]);
         ck_assert_int_eq(cns_laws(&o.problem, &o.c->laws, NULL, &o.r, &o.err), CNS_OK);
@@ -98,7 +100,8 @@ START_TEST(points_by_another_route)
             const cns_numerics n = {
                 .method = CNS_METHOD_TAYLOR, .arithmetic = CNS_ARITH_FAST, .digits = 12 + 4 * i};
             const int until = k == 0 ? CNS_TC_NORM : CNS_TC_STATE(1);
-            const cns_tc_spec spec = {.numerics = &n, .delta = &o.c->laws.delta, .until = until};
+            const cns_tc_spec spec = {
+                .numerics = &n, .delta = &o.c->laws.delta, .criterion = o.c->laws.criterion, .until = until};
             cns_tc_result t;
             ck_assert_int_eq(cns_tc_measure(&o.problem, &spec, &t, &o.err), CNS_OK);
             ck_assert_int_eq(t.time[until].kind, CNS_TC_FOUND);

@@ -168,6 +168,7 @@ static bool print_yaml(cns_summary *s, const cns_compare_result *r, const char *
     }
     yaml_not_compared(s, r);
     cns_summary_text(s, "delta", delta);
+    cns_summary_text(s, "criterion", cns_tc_criterion_name(CNS_TC_ROWS));
     cns_summary_open_mapping(s, "times");
     yaml_time(s, "norm", r->norm_tc, r->norm_last);
     for (int k = 0; k < r->n; k++)
@@ -219,7 +220,7 @@ static void print_lines(FILE *out, const cns_compare_result *r, const char *delt
                 r->first.a ? r->first.a : "no number", r->first.b ? r->first.b : "no number");
     else
         fputs("# first difference: none\n", out);
-    fprintf(out, "# T_c: first common row beyond delta = %s; norm of ", delta);
+    fprintf(out, "# T_c, criterion rows: first common row beyond delta = %s; norm of ", delta);
     norm_text(r, out);
     fputc('\n', out);
     print_time(out, "norm", r->norm_tc, r->norm_last);
@@ -313,7 +314,9 @@ const cns_command cns_command_compare = {
         "A and B are tables of `cns run`, or any columns of numbers with a header, separated by commas, "
         "semicolons, tabs or blanks. Columns are matched by name and rows by time, exactly; nothing is "
         "interpolated. Printed are the decimals to which both agree in every common row, what was not "
-        "compared, the first difference, and T_c with B as the reference; -v adds a column for each "
+        "compared, the first difference, and T_c with B as the reference, at the rows that both have (the "
+        "criterion `rows` of `cns tc`; between "
+        "rows nothing is known, so T_c depends on them); -v adds a column for each "
         "quantity. With --decimals N the exit status is 1 if two values agree to fewer decimals, or if "
         "anything was not compared.\n",
     .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_DECIMALS_AGREED, CNS_OPTION_DELTA, CNS_OPTION_QUIET,

@@ -37,6 +37,45 @@ static double kappa_of(const cns_laws_result *r)
     return law->fitted ? log(10) / law->time.slope : NAN;
 }
 
+typedef struct short_text {
+    char text[32];
+} short_text;
+
+/* Growth is known to ten digits (laws_reference.c): a scatter of the points below this is not measured. */
+static double least_error(double figure)
+{
+    return 1e-9 * fmax(fabs(figure), 1);
+}
+
+/* An error to the decimals of its figure; where they would show nothing of it, to two digits. */
+static short_text error_of(double error, double figure, int decimals)
+{
+    short_text t;
+    const double least = least_error(figure);
+    if (error >= 0.5 * pow(10, -decimals))
+        snprintf(t.text, sizeof t.text, "%.*f", decimals, error);
+    else if (error >= least)
+        snprintf(t.text, sizeof t.text, "%.1e", error);
+    else
+        snprintf(t.text, sizeof t.text, "below %.0e", least);
+    return t;
+}
+
+/* The same for a summary: what is told, or the least that is. */
+static double told(double error, double figure)
+{
+    return fmax(error, least_error(figure));
+}
+
+/* A size by its log10; none at all has one below all numbers that are. */
+static short_text size_of(double log10)
+{
+    short_text t = {"0"};
+    if (log10 > -1e9)
+        snprintf(t.text, sizeof t.text, "10^%.1f", log10);
+    return t;
+}
+
 static void print_law(FILE *out, const cns_case *c, const cns_laws_result *r, cns_law_kind kind)
 {
     const cns_law *law = &r->law[kind];
@@ -58,14 +97,14 @@ static void print_law(FILE *out, const cns_case *c, const cns_laws_result *r, cn
         return;
     }
     fprintf(out, "  T_c = %.3f %s %+.2f\n", f->slope, w->line, f->intercept);
-    fprintf(out, "    slope      %.3f, standard error %.3f, 95 %% limits +- %.3f\n", f->slope, f->slope_se,
-            f->slope_95);
-    fprintf(out, "    intercept  %.2f, standard error %.2f, 95 %% limits +- %.2f\n", f->intercept,
-            f->intercept_se, f->intercept_95);
-    fprintf(out, "    R2 %.4f; robust slope (Theil-Sen) %.3f; efficient slope %.3f, standard error %.3f\n",
-            f->r2, f->slope_robust, f->slope_gls, f->slope_gls_se);
-    fprintf(out, "    growth at T_c: %.3f digits per unit, standard error %.3f; scatter %.2f digits\n",
-            g->slope, g->slope_se, g->residual_sd);
+    fprintf(out, "    slope      %.3f, standard error %s, 95 %% limits +- %s\n", f->slope,
+            error_of(f->slope_se, f->slope, 3).text, error_of(f->slope_95, f->slope, 3).text);
+    fprintf(out, "    intercept  %.2f, standard error %s, 95 %% limits +- %s\n", f->intercept,
+            error_of(f->intercept_se, f->intercept, 2).text, error_of(f->intercept_95, f->intercept, 2).text);
+    fprintf(out, "    R2 %.4f; robust slope (Theil-Sen) %.3f; efficient slope %.3f, standard error %s\n",
+            f->r2, f->slope_robust, f->slope_gls, error_of(f->slope_gls_se, f->slope_gls, 3).text);
+    fprintf(out, "    growth at T_c: %.3f digits per unit, standard error %s; scatter %s digits\n", g->slope,
+            error_of(g->slope_se, g->slope, 3).text, error_of(g->residual_sd, g->slope, 2).text);
     const cns_law *digits = &r->law[CNS_LAW_DIGITS];
     if (kind != CNS_LAW_DIGITS && digits->fitted)
         fprintf(out, "    slope over the slope per digit: %.3f%s\n", f->slope / digits->time.slope,
@@ -91,21 +130,23 @@ static void print_text(FILE *out, const cns_context *cx, const void *result)
     const double expected = log(10) / r->lambda;
     fprintf(out, "Critical predictable times of %s, observable %s, delta = %s\n", c->name, observable(c),
             c->laws.delta.text);
+    cns_print_criterion(out, c);
     fprintf(out,
-            "reference: %ld digits to t = %g; its error there 10^%.1f by tangents, 10^%.1f by a second "
-            "reference\n",
-            r->reference_digits, r->reference_end, r->reference_error, r->reference_check);
+            "reference: %ld digits to t = %g; its error there %s by tangents, %s by a second reference\n",
+            r->reference_digits, r->reference_end, size_of(r->reference_error).text,
+            size_of(r->reference_check).text);
     fprintf(out,
-            "growth along it: lambda = %.4f +- %.4f, %.2f per digit; standard deviation %.3f digits per "
+            "growth along it: lambda = %.4f +- %s, %.2f per digit; standard deviation %s digits per "
             "root of time\n",
-            r->lambda, r->lambda_se, expected, sqrt(r->variance));
+            r->lambda, error_of(r->lambda_se, r->lambda, 4).text, expected,
+            error_of(sqrt(r->variance), r->lambda, 3).text);
     for (int k = 0; k < CNS_LAW_KINDS; k++)
         if (r->law[k].n > 0)
             print_law(out, c, r, (cns_law_kind)k);
     const cns_law *a = &r->law[CNS_LAW_DIGITS], *h = &r->law[CNS_LAW_STEPS];
     if (a->fitted)
-        fprintf(out, "\nkappa = ln 10 / slope per digit = %.4f; lambda = %.4f +- %.4f\n", kappa_of(r),
-                r->lambda, r->lambda_se);
+        fprintf(out, "\nkappa = ln 10 / slope per digit = %.4f; lambda = %.4f +- %s\n", kappa_of(r),
+                r->lambda, error_of(r->lambda_se, r->lambda, 4).text);
     if (!a->fitted || !h->fitted)
         return;
     print_both(out, (cns_model_line){a->time.slope, a->time.intercept},
@@ -124,17 +165,17 @@ static void summarise_law(cns_summary *s, const cns_law *law, const struct words
     if (law->fitted) {
         const cns_fit *f = &law->time;
         cns_summary_number(s, "slope", f->slope, 7);
-        cns_summary_number(s, "slope_se", f->slope_se, 4);
-        cns_summary_number(s, "slope_95", f->slope_95, 4);
+        cns_summary_number(s, "slope_se", told(f->slope_se, f->slope), 4);
+        cns_summary_number(s, "slope_95", told(f->slope_95, f->slope), 4);
         cns_summary_number(s, "intercept", f->intercept, 7);
-        cns_summary_number(s, "intercept_se", f->intercept_se, 4);
+        cns_summary_number(s, "intercept_se", told(f->intercept_se, f->intercept), 4);
         cns_summary_number(s, "r2", f->r2, 6);
         cns_summary_number(s, "slope_robust", f->slope_robust, 7);
         cns_summary_number(s, "slope_gls", f->slope_gls, 7);
-        cns_summary_number(s, "slope_gls_se", f->slope_gls_se, 4);
+        cns_summary_number(s, "slope_gls_se", told(f->slope_gls_se, f->slope_gls), 4);
         cns_summary_number(s, "growth_slope", law->level.slope, 6);
-        cns_summary_number(s, "growth_slope_se", law->level.slope_se, 3);
-        cns_summary_number(s, "growth_scatter", law->level.residual_sd, 3);
+        cns_summary_number(s, "growth_slope_se", told(law->level.slope_se, law->level.slope), 3);
+        cns_summary_number(s, "growth_scatter", told(law->level.residual_sd, law->level.slope), 3);
     }
     for (int out = 0; out < 2; out++) {
         cns_summary_open_list(s, out ? "left_out" : "points");
@@ -161,6 +202,7 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
 {
     const cns_laws_result *r = result;
     cns_summary_text(s, "delta", cx->c->laws.delta.text);
+    cns_summarise_criterion(s, cx->c);
     cns_summary_text(s, "observable", observable(cx->c));
     cns_summary_long(s, "reference_digits", r->reference_digits);
     cns_summary_number(s, "reference_end", r->reference_end, 12);
@@ -170,7 +212,7 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
     if (r->law[CNS_LAW_DIGITS].fitted)
         cns_summary_number(s, "kappa", kappa_of(r), 6);
     cns_summary_number(s, "lambda", r->lambda, 6);
-    cns_summary_number(s, "lambda_se", r->lambda_se, 3);
+    cns_summary_number(s, "lambda_se", told(r->lambda_se, r->lambda), 3);
 }
 
 static const cns_view view = {.text = print_text, .yaml = print_yaml};

@@ -76,6 +76,7 @@ static void print_text(FILE *out, const cns_context *cx, const void *result)
         snprintf(digits, sizeof digits, "%ld digits", c->numerics.digits);
     fprintf(out, "T_c of %s, %s, delta = %s, against %ld digits\n", c->name, digits, c->laws.delta.text,
             r->reference_digits);
+    cns_print_criterion(out, c);
     for (int i = 0; i < r->n; i++) {
         const cns_tc_time *t = &r->time[i];
         char text[80];
@@ -83,7 +84,10 @@ static void print_text(FILE *out, const cns_context *cx, const void *result)
             continue;
         if (t->kind == CNS_TC_FOUND) {
             time_text(text, sizeof text, t->t);
-            fprintf(out, "  %-10s %s  (first row: %.12g)\n", observable_name(c->model, i), text, t->row);
+            fprintf(out, "  %-10s %s", observable_name(c->model, i), text);
+            if (c->laws.criterion == CNS_TC_ROWS)
+                fprintf(out, "  (first row: %.12g)", t->row);
+            fputc('\n', out);
             continue;
         }
         bound_text(&c->end, text, sizeof text, t->t);
@@ -99,6 +103,7 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
     const cns_case *c = cx->c;
     const cns_tc_result *r = result;
     cns_summary_text(s, "delta", c->laws.delta.text);
+    cns_summarise_criterion(s, c);
     if (c->numerics.arithmetic == CNS_ARITH_DOUBLE)
         cns_summary_text(s, "digits", "double");
     else
@@ -122,6 +127,7 @@ static int run(cns_context *cx)
         cns_number_parse(&c->laws.delta, cx->o->delta, &err);
     const cns_tc_spec spec = {.numerics = &c->numerics,
                               .delta = &c->laws.delta,
+                              .criterion = c->laws.criterion,
                               .until = one_state(c) ? CNS_TC_STATE(c->laws.observable) : CNS_TC_EVERY_ONE,
                               .reference_digits = cx->o->reference_digits};
     if (one_state(c))
@@ -144,10 +150,13 @@ const cns_command cns_command_tc = {
     .most = 1,
     .summary = "critical predictable time of a run by numerics",
     .details =
-        "How long the run that `numerics` describes can be trusted: the first row at which it differs from "
-        "a finer run by more than delta, refined inside the interval before that row. For an observable u "
-        "that is |1 - u1/u2| > delta; for `norm`, the distance of the states that feed back, each divided "
-        "by its typical size, > delta. With `digits: K` every state is rounded to K significant decimals "
+        "How long the run that `numerics` describes can be trusted: T_c is the first time at which it "
+        "differs from a finer run by more than delta. For an observable u that is |u1 - u2| > delta times "
+        "the largest |u2| up to then; for `norm`, the distance of the states that feed back, each divided "
+        "by its typical size, > delta. Both hold in continuous time, and `time: every` has no part in them. "
+        "With `laws: {criterion: rows}` it is the form of Xu, Li, Li and Liao: |1 - u1/u2| > delta at a row "
+        "of `time: every`, refined inside the interval before that row. With `digits: K` every state is "
+        "rounded to K significant decimals "
         "after every step. The finer run is a Taylor run with more digits, chosen so that its own error "
         "stays far below delta. delta is `laws: delta` of the case, unless --delta gives another. Where "
         "`laws: observable` names a state, the run ends at its T_c, and no other is printed.\n",

@@ -73,6 +73,26 @@ static int write_out(const char *text)
     return cns_complain(CNS_IO, "cannot write to standard output: %s", strerror(errno));
 }
 
+void cns_print_criterion(FILE *out, const cns_case *c)
+{
+    if (c->laws.criterion == CNS_TC_ROWS)
+        fprintf(out,
+                "criterion rows: |u1 - u2| > delta |u2| (norm: distance > delta) at a row, rows every %s;\n"
+                "from the time between that row and the one before from which on it holds\n",
+                c->every.text);
+    else
+        fputs("criterion envelope: the first time of |u1 - u2| > delta max |u2|, the maximum up to then\n"
+              "(norm: of distance > delta)\n",
+              out);
+}
+
+void cns_summarise_criterion(cns_summary *s, const cns_case *c)
+{
+    cns_summary_text(s, "criterion", cns_tc_criterion_name(c->laws.criterion));
+    if (c->laws.criterion == CNS_TC_ROWS)
+        cns_summary_text(s, "every", c->every.text);
+}
+
 int cns_page_write(cns_text_stream *page, const char *path)
 {
     cns_error err;

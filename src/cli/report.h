@@ -48,6 +48,10 @@ int cns_show(const cns_context *cx, const cns_view *view, const void *result);
 int cns_report(cns_context *cx, cns_code code, const cns_error *err, const cns_view *view,
                const void *result);
 
+/* The definition that a T_c of this case goes by, as a line of text and in a summary. */
+void cns_print_criterion(FILE *out, const cns_case *c);
+void cns_summarise_criterion(cns_summary *s, const cns_case *c);
+
 /* Closes a short text that has been built in memory, so that a reader gets all of it or a failure, and writes
  * it: to standard output, or, where `path` is not NULL, into a file, which is replaced as a whole (a device
  * or pipe is written to). 128 + 13 without a message when the reader has gone (as in `| head`), CNS_IO with

@@ -10,7 +10,7 @@ $ cat > a.csv; sed 's/1\.2500/1.2600/' a.csv > b.csv; cns compare a.csv b.csv; c
 > 0.5,1
 > # common rows: 2 of 2 and 2
 > # first difference: t = 0.5, u: 1.2500 and 1.2600
-> # T_c: first common row beyond delta = 0.01; norm of u, v (all common columns)
+> # T_c, criterion rows: first common row beyond delta = 0.01; norm of u, v (all common columns)
 > # T_c of norm: > 0.5
 > # T_c of u: > 0.5
 > # T_c of v: > 0.5
@@ -26,6 +26,7 @@ $ cat > a.csv; sed 's/1\.2500/1.2600/' a.csv > b.csv; cns compare a.csv b.csv; c
 >   b: 1.2600
 > not_compared: []
 > delta: 0.01
+> criterion: rows
 > times:
 >   norm:
 >     beyond: 0.5
@@ -64,14 +65,14 @@ $ cat > a.yaml; cns run -q a.yaml > a.csv; cns run -q a.yaml --set goal.decimals
 > # common rows: 3 of 3 and 5
 > # not compared: 2 rows only in B, first at t = 0.5
 > # first difference: none
-> # T_c: first common row beyond delta = 0.01; norm of theta, Vx, Vy, omega (dynamic states of apw)
+> # T_c, criterion rows: first common row beyond delta = 0.01; norm of theta, Vx, Vy, omega (dynamic states of apw)
 > re:^# T_c of norm: > 2$
 > ...
 
 = a run of few digits leaves the reference where tc says, but for the row
 $ cat > a.yaml; cns run -q a.yaml --set numerics.arithmetic=double --set numerics.order=20 > a.csv
 $ cns run -q a.yaml --set numerics.digits=45 > b.csv; cns compare --yaml a.csv b.csv | sed -n 's/^  norm: //p' > table
-$ cns tc -q a.yaml --set numerics.arithmetic=double --set numerics.order=20 | sed -n 's/.*norm.*first row: \(.*\))/\1/p' | cmp - table
+$ cns tc -q a.yaml --set laws.criterion=rows --set numerics.arithmetic=double --set numerics.order=20 | sed -n 's/.*norm.*first row: \(.*\))/\1/p' | cmp - table
 | model: lorenz
 | initial: {x: -15.8, y: -17.48, z: 35.64}
 | time: {end: 60, every: 0.25}

@@ -8,6 +8,7 @@ $ sed 's/: .*/:/' one | awk '!seen[$0]++'
 | time: {end: 500, every: 1/4}
 | laws: {digits: {from: 6, to: 9}, steps: {method: rk4, digits: 20, from: 1e-2, to: 2e-3, per_decade: 6}}
 > delta:
+> criterion:
 > observable:
 > reference_digits:
 > reference_end:
@@ -46,6 +47,25 @@ $ grep -o 'observable y, delta = 0.1' text; grep -c 'lambda = .* +- ' text
 > 4
 > observable y, delta = 0.1
 > 2
+
+= the criterion is named, a T_c by the envelope does not hang on the rows, and no error is printed as nothing
+$ cat > a.yaml; laws() { cns laws -q a.yaml "$@"; }; laws > text; sed -n 2,3p text; grep -c ' 0\.00*[,;]* \| 0\.00*$' text || true; grep -o 'scatter [0-9.]*e-' text | sed 's/[0-9.]*e-/some/'
+$ points() { sed -n 's/^  \([0-9.e-]*\)  *\([0-9.]*\)  *[0-9.]*  .*/ /p'; }; points < text > 8; laws --set time.every=1/16 | points > 16
+$ paste -d' ' 8 16 | awk '{d = $2 - $4; n += $1 == $3 && d * d < 1e-7} END {print n}'
+$ laws --set laws.criterion=rows --yaml | sed -n '/criterion/,/observable/p'; laws --set initial.x=0 --set initial.y=0 2>&1 | grep -o 'tangents, .*'
+| model: lorenz
+| initial: {x: 1e-11, y: 2.18277e-11}
+| time: {end: 30, every: 1/8}
+| laws: {delta: 1e-10, steps: {method: taylor, order: 2, digits: 40, from: 5e-4, to: 4.7e-4, per_decade: 100}}
+> criterion envelope: the first time of |u1 - u2| > delta max |u2|, the maximum up to then
+> (norm: of distance > delta)
+> 0
+> scatter some
+> 3
+> criterion: rows
+> every: 1/8
+> observable: norm
+> tangents, 0 by a second reference
 
 = stopped by a signal, it prints nothing, and keeps what is done: not the steps that would take days
 $ cat > a.yaml; cns laws -q --threads 12 -o runs a.yaml & wait_for 'ls runs/step-*-1e-2-*'

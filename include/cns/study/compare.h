@@ -3,9 +3,10 @@
  * Rows meet where their times are equal, exactly; nothing is interpolated. Values are compared exactly, as
  * the decimals that the texts are. Two values agree to p decimals when they differ by no more than half a
  * unit of the p-th, p being at most what the shorter text gives: a value and its correct rounding agree to
- * all decimals of the rounding. Values that are equal set no limit. T_c is the first common row at which |1 -
- * u1/u2| > delta, u1 from A and u2 from B, 0/0 counting as 0 and x/0 as infinite, or, for the norm, at which
- * the distance exceeds delta (cns/study/tc.h); between rows nothing is known.
+ * all decimals of the rounding. Values that are equal set no limit. T_c goes by rows (CNS_TC_ROWS of
+ * cns/study/tc.h), without a refinement: it is the first common row at which |1 - u1/u2| > delta, u1 from A
+ * and u2 from B, 0/0 counting as 0 and x/0 as infinite, or, for the norm, at which the distance exceeds
+ * delta; between rows nothing is known, and T_c depends on them.
  *
  * What is not compared is no agreement, and is told: columns and rows that only one table has, and values
  * that are missing. A value against a missing one is a difference. */

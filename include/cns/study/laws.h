@@ -5,11 +5,15 @@
  * that it outlasts them all: growth reaches some digits more than any run can bear, and its own error, by
  * tangents and by a second reference with ten digits fewer, stays far below delta to its very end.
  *
- * T_c is defined in cns/study/tc.h: rows at multiples of `every` decide. Inside the interval before that
- * row run and reference are continued from the row before by fine runs of the two systems: what noise the run
- * makes within one interval is far below delta (if it is not, T_c is the row).
- * So rows must be near enough for growth to be within two digits from one to the next; if they are not, that
- * is CNS_USAGE.
+ * T_c is defined in cns/study/tc.h, by either criterion. The reference is kept at rows, the multiples of
+ * `every`. Inside the interval between two rows that holds T_c both are begun anew at the first row, the run
+ * by the same numerics. Its noise within that one interval is not quite the same, but far below delta. Where
+ * that decides whether it has parted by the second row, T_c is that row with CNS_TC_ROWS, and with
+ * CNS_TC_ENVELOPE the time between that an exponential growth from row to row gives. With CNS_TC_ROWS the
+ * interval ends at the first row beyond delta; with CNS_TC_ENVELOPE every interval is looked into at an end
+ * of which the difference is within a factor of 8 of its limit, and `every` has no part in the definition. So
+ * rows must be near enough for growth to be within two digits from one to the next; if they are not, that is
+ * CNS_USAGE.
  *
  * A run stops when its T_c is found. A run that does not find it before the reference ends makes the
  * reference longer, at most up to the problem's `end`; a point without T_c, or with a failed run, is left out
@@ -18,6 +22,7 @@
 #define CNS_STUDY_LAWS_H
 
 #include "cns/solve.h"
+#include "cns/study/tc.h"
 
 CNS_BEGIN_DECLS
 
@@ -35,7 +40,8 @@ typedef struct cns_decades {
 
 typedef struct cns_laws_spec {
     cns_number delta; /* > 0 */
-    int observable;   /* a state, or CNS_OBSERVABLE_NORM */
+    cns_tc_criterion criterion;
+    int observable; /* a state, or CNS_OBSERVABLE_NORM */
     bool has_digits, has_steps, has_smoothing;
     struct {
         long from, to, by; /* 1 <= from <= to, by >= 1 */

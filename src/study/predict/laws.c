@@ -154,9 +154,9 @@ cns_code cns_laws(const cns_problem *problem, const cns_laws_spec *spec, const c
                   ? (int)spec->steps.order
                   : cns_order_for(cns_digits_to_tolerance(spec->steps.digits), CNS_ARITH_MPFR);
     r->order = l.order;
-    l.identity =
-        cns_system_identity(l.system, -1, "laws, end %s, every %s, delta %s, observable %d",
-                            problem->end->text, cns_every(problem)->text, spec->delta.text, spec->observable);
+    l.identity = cns_system_identity(
+        l.system, -1, "laws, end %s, every %s, delta %s, criterion %s, observable %d", problem->end->text,
+        cns_every(problem)->text, spec->delta.text, cns_tc_criterion_name(spec->criterion), spec->observable);
     code = l.identity != NULL ? add_jobs(&l, err) : cns_out_of_memory(err);
     char **results = cns_xalloc((size_t)l.jobs, sizeof *results);
     l.listed = cns_xalloc((size_t)l.jobs, sizeof *l.listed);

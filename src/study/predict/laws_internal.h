@@ -19,7 +19,7 @@ enum {
 typedef struct cns_law_reference {
     long digits;
     int rows;
-    mpfr_t *state; /* n per row */
+    mpfr_t *state; /* n per row, and the envelope of the observable up to it (0 where there is none) */
     double *growth, *error;
 } cns_law_reference;
 

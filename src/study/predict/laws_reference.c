@@ -10,6 +10,7 @@
 #include "core/files.h"
 #include "core/memory.h"
 #include "core/monitor.h"
+#include "envelope.h"
 #include "integrate/rows.h"
 #include "integrate/trajectory.h"
 #include "num/logs.h"
@@ -70,7 +71,14 @@ double cns_laws_growth_at(const cns_laws_work *l, double t)
     return l->ref.growth[row] + (at - row) * (l->ref.growth[row + 1] - l->ref.growth[row]);
 }
 
-/* The reference, as the one job of an ensemble: a line for each row. */
+/* Has the observable an envelope that is followed? */
+static bool has_envelope(const cns_laws_work *l)
+{
+    return l->spec->criterion == CNS_TC_ENVELOPE && l->spec->observable != CNS_OBSERVABLE_NORM;
+}
+
+/* The reference, as the one job of an ensemble: a line for each row, with growth, error, states, and the
+ * envelope of the observable. */
 
 static void reference_name(void *context, int i, char *name, size_t size)
 {
@@ -100,10 +108,16 @@ static cns_code reference_run(void *context, int number, cns_ensemble_job *told,
     spec.flow.schedule = &precision.schedule;
     cns_trajectory *t = cns_trajectory_new(&spec, err);
     cns_sample s = {0};
+    cns_envelope envelope = {0};
+    mpfr_t high;
+    mpfr_init2(high, CNS_ENVELOPE_BITS);
+    mpfr_set_zero(high, 1);
     cns_code code = !t ? err->code
                     : cns_sample_init(&s, cns_system_program(l->system), CNS_LAWS_KEPT_BITS)
                         ? CNS_OK
                         : cns_out_of_memory(err);
+    if (!code && has_envelope(l))
+        code = cns_envelope_init(&envelope, 1 + l->n, &spec.flow, err);
     mpq_t time;
     mpq_init(time);
     cns_text_open(&lines);
@@ -111,19 +125,31 @@ static cns_code reference_run(void *context, int number, cns_ensemble_job *told,
     const int last = cns_laws_last_row(l);
     for (int row = 0; !code && row <= last; row++) {
         cns_laws_row_time(l, row, time);
-        code = cns_trajectory_at(t, time, &s, err);
+        while (!code && mpfr_cmp_q(cns_flow_end(cns_trajectory_flow(t)), time) < 0) {
+            code = cns_trajectory_step(t, err);
+            if (!code && has_envelope(l))
+                cns_envelope_follow(&envelope, t);
+        }
+        if (!code)
+            code = cns_trajectory_at(t, time, &s, err);
         if (code)
             break;
+        if (has_envelope(l))
+            cns_envelope_at(&envelope, CNS_TC_STATE(l->spec->observable), mpq_get_d(time),
+                            s.state[l->spec->observable], high);
         cns_falling_follow(&precision, s.growth);
         fprintf(out, "%.10g %.10g", s.growth, fmax(s.error_log2 * CNS_LOG10_2, -1e9));
         for (int i = 0; i < l->n; i++)
             mpfr_fprintf(out, " %.*Re", CNS_LAWS_KEPT_DIGITS - 1, s.state[i]);
+        mpfr_fprintf(out, " %.20Re", high);
         fputc('\n', out);
         cns_ensemble_tell(told, fmax(0, fmin(1, fmax(s.growth / l->level, (double)row / last))));
         if (s.growth >= l->level)
             break;
     }
     mpq_clear(time);
+    mpfr_clear(high);
+    cns_envelope_clear(&envelope);
     cns_trajectory_free(t);
     cns_sample_clear(&s);
     char *text = cns_text_close(&lines, code ? NULL : err);
@@ -142,7 +168,8 @@ static cns_code reference_read(cns_laws_work *l, const char *text, cns_error *er
         rows++;
     r->growth = cns_xalloc((size_t)rows, sizeof *r->growth);
     r->error = cns_xalloc((size_t)rows, sizeof *r->error);
-    r->state = cns_vector_new(rows * l->n, CNS_LAWS_KEPT_BITS);
+    const int columns = l->n + 1;
+    r->state = cns_vector_new(rows * columns, CNS_LAWS_KEPT_BITS);
     if (!r->state)
         return cns_out_of_memory(err);
     r->rows = rows;
@@ -150,11 +177,11 @@ static cns_code reference_read(cns_laws_work *l, const char *text, cns_error *er
     for (int row = 0; row < rows; row++) {
         r->growth[row] = strtod(at, &at);
         r->error[row] = strtod(at, &at);
-        for (int i = 0; i < l->n; i++) {
+        for (int i = 0; i < columns; i++) {
             char *begin = at;
-            mpfr_strtofr(r->state[row * l->n + i], begin, &at, 10, MPFR_RNDN);
+            mpfr_strtofr(r->state[row * columns + i], begin, &at, 10, MPFR_RNDN);
             if (at == begin)
-                mpfr_set_nan(r->state[row * l->n + i]);
+                mpfr_set_nan(r->state[row * columns + i]);
         }
         if (*at++ != '\n')
             return cns_fail(err, CNS_IO, "row %d of the reference that was kept is damaged", row);

@@ -15,6 +15,7 @@
 #include "tc_internal.h"
 
 enum { LINE = 64 };
+static const double near = 1.0 / 8;  /* parts of the limit from which intervals are looked into */
 static const double probe_time = 10; /* over which the first step's truncation is measured */
 
 static void run_name(void *context, int i, char *name, size_t size)
@@ -61,24 +62,27 @@ static void distance(const cns_laws_work *l, const mpfr_t *u1, const mpfr_t *u2,
     mpfr_clear(d);
 }
 
-/* Has the observable parted by more than delta? */
-static bool parted(const cns_laws_work *l, const mpfr_t *u1, const mpfr_t *u2)
+/* The difference of the observable as a part of its limit (cns/study/tc.h): it has parted if this is above 1.
+ * u2: a row of the reference. */
+static double part_of_limit(const cns_laws_work *l, const mpfr_t *u1, const mpfr_t *u2)
 {
     const int i = l->spec->observable;
-    bool yes;
-    mpfr_t d, delta;
-    mpfr_inits2(CNS_LAWS_KEPT_BITS, d, delta, (mpfr_ptr)0);
-    cns_number_get_mpfr(delta, &l->spec->delta);
+    double part = 0;
+    mpfr_t d, limit;
+    mpfr_inits2(CNS_LAWS_KEPT_BITS, d, limit, (mpfr_ptr)0);
+    cns_number_get_mpfr(limit, &l->spec->delta);
     if (i == CNS_OBSERVABLE_NORM) {
         distance(l, u1, u2, d);
-        yes = mpfr_greater_p(d, delta);
-    } else { /* |u2 - u1| > delta |u2| is |1 - u1/u2| > delta, 0/0 counting as 0, x/0 as infinite */
+    } else {
         mpfr_sub(d, u2[i], u1[i], MPFR_RNDN);
-        mpfr_mul(delta, delta, u2[i], MPFR_RNDN);
-        yes = mpfr_cmpabs(d, delta) > 0;
+        mpfr_mul(limit, limit, l->spec->criterion == CNS_TC_ROWS ? u2[i] : u2[l->n], MPFR_RNDN);
     }
-    mpfr_clears(d, delta, (mpfr_ptr)0);
-    return yes;
+    if (!mpfr_zero_p(d)) { /* 0/0 counts as 0, x/0 as infinite */
+        mpfr_div(d, d, limit, MPFR_RNDN);
+        part = fabs(mpfr_get_d(d, MPFR_RNDA));
+    }
+    mpfr_clears(d, limit, (mpfr_ptr)0);
+    return part;
 }
 
 static cns_number *numbers_of(const mpfr_t *x, int n)
@@ -100,12 +104,43 @@ static void numbers_free(cns_number *v, int n)
     free(v);
 }
 
-/* The time within the interval after two states at which the observable parts; 1 interval if it does not. */
-static cns_code refine(const cns_laws_work *l, const cns_system *s, const mpfr_t *u1, const mpfr_t *u2,
-                       double *part, cns_error *err)
+/* How the run of a job is made, with so many digits. s: the system that it is about. */
+static cns_flow_spec run_spec(const cns_laws_work *l, const cns_law_job *j, const cns_system *s, long digits)
 {
+    const cns_numerics k = {.method = CNS_METHOD_TAYLOR, .arithmetic = CNS_ARITH_FAST, .digits = digits};
+    if (j->kind == CNS_LAW_DIGITS)
+        return cns_tc_flow(s, &k, cns_monitor_stop(l->problem->monitor));
+    cns_flow_spec spec = cns_laws_taylor(l, s, digits, 0);
+    if (j->kind == CNS_LAW_STEPS) {
+        spec.method = l->spec->steps.method;
+        spec.arithmetic = CNS_ARITH_MPFR;
+        spec.order = l->order;
+        spec.step = &j->value;
+    }
+    return spec;
+}
+
+/* precision: of a second reference; it must outlive the flow. */
+static cns_code job_flow(const cns_laws_work *l, const cns_law_job *j, const cns_system *s,
+                         cns_falling *precision, cns_flow **flow, cns_error *err)
+{
+    cns_flow_spec spec = run_spec(l, j, s, j->digits);
+    if (j->kind == CNS_LAW_CHECK) {
+        spec.safety = 0.3;
+        cns_falling_init(precision, j->digits);
+        spec.schedule = &precision->schedule;
+    }
+    *flow = cns_flow_new(&spec, err);
+    return *flow ? CNS_OK : err->code;
+}
+
+/* *part = the time within the interval after two states at which the observable parts; NaN if it does not. */
+static cns_code refine(const cns_laws_work *l, const cns_law_job *j, const cns_system *s, const mpfr_t *u1,
+                       const mpfr_t *u2, double *part, cns_error *err)
+{
+    const long digits = j->digits < CNS_LAWS_FINE_DIGITS ? j->digits : CNS_LAWS_FINE_DIGITS;
     cns_number *a = numbers_of(u1, l->n), *b = numbers_of(u2, l->n);
-    const cns_trajectory_spec test = {.flow = cns_laws_taylor(l, s, CNS_LAWS_FINE_DIGITS, 0), .initial = a},
+    const cns_trajectory_spec test = {.flow = run_spec(l, j, s, digits), .initial = a},
                               truth = {.flow = cns_laws_taylor(l, l->system, CNS_LAWS_FINE_DIGITS, 0),
                                        .initial = b};
     const int until =
@@ -115,44 +150,26 @@ static cns_code refine(const cns_laws_work *l, const cns_system *s, const mpfr_t
                               .end = cns_every(l->problem),
                               .every = cns_every(l->problem),
                               .delta = &l->spec->delta,
-                              .until = until};
+                              .criterion = l->spec->criterion,
+                              .until = until,
+                              .before = u2[l->n]};
     cns_tc_result r = {0};
     cns_code code = cns_tc_compare(&pair, &r, err);
-    *part = !code && r.time[until].kind == CNS_TC_FOUND ? r.time[until].t : l->every;
+    *part = !code && r.time[until].kind == CNS_TC_FOUND ? r.time[until].t : NAN;
     cns_tc_result_clear(&r);
     numbers_free(a, l->n);
     numbers_free(b, l->n);
     return code == CNS_STOPPED || code == CNS_MEMORY ? code : CNS_OK;
 }
 
-/* s: the system that the job is about. precision: of a second reference; it must outlive the flow. */
-static cns_code job_flow(const cns_laws_work *l, const cns_law_job *j, const cns_system *s,
-                         cns_falling *precision, cns_flow **flow, cns_error *err)
+/* The same for a run that has parted at the second row, and begun anew at the first one does not quite, from
+ * the parts of the limit at both ends: under the envelope, which changes little, as differences grow; by rows
+ * that is the second row. */
+static double between(const cns_laws_work *l, double part_before, double part)
 {
-    cns_numerics k = {.method = CNS_METHOD_TAYLOR, .arithmetic = CNS_ARITH_FAST, .digits = j->digits};
-    cns_flow_spec spec;
-    switch (j->kind) {
-    case CNS_LAW_DIGITS:
-        spec = cns_tc_flow(s, &k, cns_monitor_stop(l->problem->monitor));
-        break;
-    case CNS_LAW_STEPS:
-        spec = cns_laws_taylor(l, s, j->digits, 0);
-        spec.method = l->spec->steps.method;
-        spec.arithmetic = CNS_ARITH_MPFR;
-        spec.order = l->order;
-        spec.step = &j->value;
-        break;
-    case CNS_LAW_SMOOTHING:
-        spec = cns_laws_taylor(l, s, j->digits, 0);
-        break;
-    default:
-        spec = cns_laws_taylor(l, s, j->digits, 0.3);
-        cns_falling_init(precision, j->digits);
-        spec.schedule = &precision->schedule;
-        break;
-    }
-    *flow = cns_flow_new(&spec, err);
-    return *flow ? CNS_OK : err->code;
+    if (l->spec->criterion == CNS_TC_ROWS || !(part_before > 0) || !isfinite(part))
+        return l->every;
+    return l->every * log(1 / part_before) / log(part / part_before);
 }
 
 /* A run against the reference, row by row. *tc is NaN when the reference ends first; *apart is then log10 of
@@ -167,6 +184,7 @@ static cns_code compare(const cns_laws_work *l, const cns_law_job *j, cns_flow *
                        *before = cns_vector_xnew(l->n, CNS_LAWS_KEPT_BITS);
     mpfr_inits2(CNS_LAWS_KEPT_BITS, d, largest, (mpfr_ptr)0);
     mpfr_set_zero(largest, 1);
+    double part = 0;
     cns_flow_start(f, cns_system_initial(l->system));
     *tc = NAN;
     cns_code code = CNS_OK;
@@ -186,16 +204,19 @@ static cns_code compare(const cns_laws_work *l, const cns_law_job *j, cns_flow *
         before = now;
         now = swap;
         cns_flow_eval(f, time, now);
-        const mpfr_t *u2 = (const mpfr_t *)l->ref.state + (size_t)row * (size_t)l->n;
+        const mpfr_t *u2 = (const mpfr_t *)l->ref.state + (size_t)row * (size_t)(l->n + 1);
         distance(l, (const mpfr_t *)now, u2, d);
         if (mpfr_greater_p(d, largest))
             mpfr_set(largest, d, MPFR_RNDN);
-        if (j->kind != CNS_LAW_CHECK && parted(l, (const mpfr_t *)now, u2)) {
-            double part = l->every;
-            if (row > 1)
-                code = refine(l, s, (const mpfr_t *)before, u2 - l->n, &part, err);
-            *tc = (row - 1) * l->every + part;
-        }
+        const double part_before = part;
+        part = part_of_limit(l, (const mpfr_t *)now, u2);
+        const bool parted = part > 1,
+                   look = parted || (l->spec->criterion == CNS_TC_ENVELOPE && fmax(part, part_before) > near);
+        double within = NAN;
+        if (j->kind != CNS_LAW_CHECK && look && row > 1)
+            code = refine(l, j, s, (const mpfr_t *)before, u2 - (l->n + 1), &within, err);
+        if (j->kind != CNS_LAW_CHECK && (parted || !isnan(within)))
+            *tc = (row - 1) * l->every + (isnan(within) ? between(l, part_before, part) : within);
         cns_ensemble_tell(told, fmin(0.99, row * l->every / j->predicted));
     }
     *apart = cns_log2_mpfr(largest) * CNS_LOG10_2;

@@ -5,21 +5,31 @@
 
 #include "core/memory.h"
 #include "core/monitor.h"
+#include "envelope.h"
 #include "integrate/numerics.h"
 #include "integrate/rows.h"
 #include "num/logs.h"
+#include "peak.h"
 #include "solve/problem.h"
 #include "solve/proof.h"
 
 enum {
-    PREC = 64,            /* of differences and limits */
-    TRUST_LOG2 = 44,      /* 24 for what noise may exceed its estimate by, 20 for the accuracy of T_c */
-    GATE_LOG2 = 30,       /* intervals are looked into once a difference is within this of delta */
-    PIECES = 16,          /* parts of an interval that no step may leap over */
-    RESOLUTION_LOG2 = 24, /* of T_c, in intervals */
-    UNEXCITED_LOG2 = 8,   /* a difference so far below what noise would have grown to has not grown */
-    WORKING_DIGITS = 12   /* of a K-digit run, beyond K */
+    PREC = 64,           /* of differences and limits */
+    TRUST_LOG2 = 44,     /* 24 for what noise may exceed its estimate by, 20 for the accuracy of T_c */
+    ROW_GATE_LOG2 = 30,  /* intervals between rows are looked into once a difference is so near to delta */
+    STEP_GATE_LOG2 = 12, /* and steps of the reference, in which differences grow by a few powers of e; */
+    LEAP_LOG2 = 6,       /* where one was not, and ends so near to delta, it should have been */
+    PIECES = 16,         /* parts of an interval that no step may leap over */
+    ROW_RESOLUTION_LOG2 = 24,  /* of T_c, in intervals between rows */
+    STEP_RESOLUTION_LOG2 = 40, /* and in steps of the reference */
+    UNEXCITED_LOG2 = 8,        /* a difference so far below what noise would have grown to has not grown */
+    WORKING_DIGITS = 12        /* of a K-digit run, beyond K */
 };
+
+const char *cns_tc_criterion_name(cns_tc_criterion criterion)
+{
+    return criterion == CNS_TC_ROWS ? "rows" : "envelope";
+}
 
 void cns_tc_result_clear(cns_tc_result *r)
 {
@@ -27,24 +37,28 @@ void cns_tc_result_clear(cns_tc_result *r)
     r->time = NULL;
 }
 
-/* The two runs at one time, and what is known of each observable. */
+/* The two runs at one time, and what is known of each observable. Both are compared at stops: at rows, or,
+ * with an envelope, at the ends of the reference's steps, which are the same whatever rows a table has. */
 typedef struct walk {
     const cns_tc_pair *pair;
     const cns_program *program;
     const double *scales;
+    bool rows; /* the criterion is that of the rows */
     cns_trajectory *test, *reference;
+    cns_envelope envelope;
     cns_sample u1, u2;
+    double t; /* of the samples */
     int n;
-    mpq_t from, to, now, at; /* the interval; scratch */
-    mpfr_t delta, gate, d, limit;
-    double resolution, spacing, trust_log2;
-    bool *found, *holds, *differs;
-    bool *next;         /* scratch */
-    double *since;      /* the beginning of the stretch on which it holds; NAN: unknown */
-    bool *missed;       /* found at a row whose interval was not looked into */
-    double largest[2];  /* log2 of the largest distance in either half of the time */
-    const bool *forced; /* rows to look before; NULL: none */
-    unsigned long n_forced;
+    mpq_t from, to, now, at; /* the interval between stops; scratch */
+    mpfr_t delta, d, limit;
+    double gate, leap, resolution, spacing, trust_log2;
+    bool *found, *differs;
+    double *part;                /* the difference as a part of its limit, where it was looked at last */
+    double *next;                /* scratch */
+    double *since;               /* where it began to exceed the limit; NAN: it has not, or that is unknown */
+    unsigned long *missed;       /* the first stop that it leapt to, without a look before; 0: none */
+    double largest[2];           /* log2 of the largest distance in either half of the time */
+    const unsigned long *forced; /* for each observable, a stop to look before; NULL: none */
 } walk;
 
 static void walk_clear(walk *w)
@@ -54,10 +68,11 @@ static void walk_clear(walk *w)
     cns_sample_clear(&w->u1);
     cns_sample_clear(&w->u2);
     mpq_clears(w->from, w->to, w->now, w->at, (mpq_ptr)0);
-    mpfr_clears(w->delta, w->gate, w->d, w->limit, (mpfr_ptr)0);
+    mpfr_clears(w->delta, w->d, w->limit, (mpfr_ptr)0);
+    cns_envelope_clear(&w->envelope);
     free(w->found);
-    free(w->holds);
     free(w->differs);
+    free(w->part);
     free(w->next);
     free(w->since);
     free(w->missed);
@@ -66,22 +81,25 @@ static void walk_clear(walk *w)
 static cns_code walk_init(walk *w, const cns_tc_pair *pair, int n, cns_error *err)
 {
     const double every = fmin(cns_number_get_d(pair->every), cns_number_get_d(pair->end));
+    const bool rows = pair->criterion == CNS_TC_ROWS;
     *w = (walk){.pair = pair,
                 .program = pair->reference->flow.program,
                 .scales = pair->reference->flow.scales,
+                .rows = rows,
                 .n = n,
-                .resolution = ldexp(fmin(1, every), -RESOLUTION_LOG2),
+                .gate = ldexp(1, rows ? -ROW_GATE_LOG2 : -STEP_GATE_LOG2),
+                .leap = rows ? 1 : ldexp(1, -LEAP_LOG2),
+                .resolution = ldexp(fmin(1, every), -ROW_RESOLUTION_LOG2),
                 .spacing = every / PIECES,
                 .largest = {-HUGE_VAL, -HUGE_VAL}};
     const size_t room = (size_t)n;
     mpq_inits(w->from, w->to, w->now, w->at, (mpq_ptr)0);
-    mpfr_inits2(PREC, w->delta, w->gate, w->d, w->limit, (mpfr_ptr)0);
+    mpfr_inits2(PREC, w->delta, w->d, w->limit, (mpfr_ptr)0);
     cns_number_get_mpfr(w->delta, pair->delta);
-    mpfr_div_2ui(w->gate, w->delta, GATE_LOG2, MPFR_RNDN);
     w->trust_log2 = cns_log2_mpfr(w->delta) - TRUST_LOG2;
     w->found = cns_xalloc(room, sizeof *w->found);
-    w->holds = cns_xalloc(room, sizeof *w->holds);
     w->differs = cns_xalloc(room, sizeof *w->differs);
+    w->part = cns_xalloc(room, sizeof *w->part);
     w->next = cns_xalloc(room, sizeof *w->next);
     w->since = cns_xalloc(room, sizeof *w->since);
     w->missed = cns_xalloc(room, sizeof *w->missed);
@@ -92,7 +110,10 @@ static cns_code walk_init(walk *w, const cns_tc_pair *pair, int n, cns_error *er
     if (!cns_sample_init(&w->u1, pair->test->flow.program, cns_flow_prec(cns_trajectory_flow(w->test))) ||
         !cns_sample_init(&w->u2, w->program, cns_flow_prec(cns_trajectory_flow(w->reference))))
         return cns_out_of_memory(err);
-    return CNS_OK;
+    cns_code code = rows ? CNS_OK : cns_envelope_init(&w->envelope, n, &pair->reference->flow, err);
+    if (!code && !rows && pair->before)
+        cns_envelope_raise(&w->envelope, pair->until, pair->before);
+    return code;
 }
 
 /* w->d = the distance of the dynamic states, in scales. */
@@ -108,30 +129,39 @@ static void distance(walk *w)
     }
 }
 
-/* Does observable i exceed delta in the samples? w->d is left as the absolute difference. */
-static bool exceeds(walk *w, int i, mpfr_srcptr delta)
+/* The difference of observable i in the samples as a part of what it may be: above 1 it exceeds that. w->d is
+ * left as the absolute difference. */
+static double part_of_limit(walk *w, int i)
 {
     if (i == CNS_TC_NORM) {
         distance(w);
-        return mpfr_cmp(w->d, delta) > 0;
+        mpfr_set(w->limit, w->delta, MPFR_RNDN);
+    } else {
+        mpfr_srcptr u1 = cns_observable_of(&w->u1, i), u2 = cns_observable_of(&w->u2, i);
+        mpfr_sub(w->d, u1, u2, MPFR_RNDN);
+        mpfr_abs(w->d, w->d, MPFR_RNDN);
+        if (mpfr_nan_p(w->d)) { /* 0/0 in a derived quantity: undefined in both runs is the same */
+            mpfr_set_zero(w->d, 1);
+            return mpfr_nan_p(u1) != mpfr_nan_p(u2) ? HUGE_VAL : 0;
+        }
+        if (w->rows)
+            mpfr_abs(w->limit, u2, MPFR_RNDN);
+        else
+            cns_envelope_at(&w->envelope, i, w->t, u2, w->limit);
+        mpfr_mul(w->limit, w->limit, w->delta, MPFR_RNDN);
     }
-    const bool state = i <= w->u1.n_states;
-    const int k = state ? i - 1 : i - 1 - w->u1.n_states;
-    mpfr_srcptr u1 = state ? w->u1.state[k] : w->u1.output[k], u2 = state ? w->u2.state[k] : w->u2.output[k];
-    mpfr_sub(w->d, u1, u2, MPFR_RNDN);
-    mpfr_abs(w->d, w->d, MPFR_RNDN);
-    if (mpfr_nan_p(w->d)) { /* 0/0 in a derived quantity: undefined in both runs is the same */
-        mpfr_set_zero(w->d, 1);
-        return mpfr_nan_p(u1) != mpfr_nan_p(u2);
-    }
-    mpfr_mul(w->limit, delta, u2, MPFR_RNDN);
-    return mpfr_cmpabs(w->d, w->limit) > 0; /* also where u2 = 0: anything but 0 is infinitely off */
+    if (mpfr_zero_p(w->d))
+        return 0;
+    mpfr_div(w->limit, w->d, w->limit, MPFR_RNDN); /* anything but 0 is infinitely off 0 */
+    return mpfr_get_d(w->limit, MPFR_RNDU);
 }
 
-static void peek(walk *w, const mpq_t t)
+static void peek(walk *w, double t)
 {
-    cns_trajectory_peek(w->test, t, &w->u1);
-    cns_trajectory_peek(w->reference, t, &w->u2);
+    mpq_set_d(w->at, t);
+    cns_trajectory_peek(w->test, w->at, &w->u1);
+    cns_trajectory_peek(w->reference, w->at, &w->u2);
+    w->t = t;
 }
 
 /* It does not hold at `low` and does at `high`, both within the last steps: where it begins to. */
@@ -141,9 +171,8 @@ static double refine(walk *w, int i, double low, double high)
         const double middle = low + (high - low) / 2;
         if (middle <= low || middle >= high)
             break;
-        mpq_set_d(w->at, middle);
-        peek(w, w->at);
-        if (exceeds(w, i, w->delta))
+        peek(w, middle);
+        if (part_of_limit(w, i) > 1)
             high = middle;
         else
             low = middle;
@@ -151,17 +180,44 @@ static double refine(walk *w, int i, double low, double high)
     return high;
 }
 
-/* Looks at t, after `before`, both within the last steps of both runs. */
-static void look(walk *w, double before, const mpq_t t)
+typedef struct probe {
+    walk *w;
+    int i;
+} probe;
+
+static double part_at(void *context, double t)
 {
-    const double now = mpq_get_d(t);
+    const probe *p = context;
+    peek(p->w, t);
+    return part_of_limit(p->w, p->i);
+}
+
+/* It does not hold at `low` or `high`, where the parts are these; near to it, it may in between. */
+static void look_between(walk *w, int i, double low, double at_low, double high, double at_high)
+{
+    if (fmax(at_low, at_high) < 0.5)
+        return;
+    probe p = {w, i};
+    const double t[] = {low, low + (high - low) / 2, high};
+    const double value[] = {at_low, part_at(&p, t[1]), at_high};
+    const cns_peak peak = cns_peak_find(part_at, &p, t, value, CNS_PEAK_NEAR);
+    if (peak.value > 1)
+        w->since[i] = refine(w, i, low, peak.t);
+}
+
+/* Looks at t, after `before`, both within the last steps of both runs. */
+static void look(walk *w, double before, double t)
+{
     peek(w, t);
     for (int i = 0; i < w->n; i++)
-        w->next[i] = exceeds(w, i, w->delta);
+        w->next[i] = part_of_limit(w, i);
     for (int i = 0; i < w->n; i++) {
-        if (!w->found[i] && w->next[i] && !w->holds[i])
-            w->since[i] = refine(w, i, before, now);
-        w->holds[i] = w->next[i];
+        const bool settled = w->found[i] || (!w->rows && !isnan(w->since[i])); /* the first time counts */
+        if (!settled && w->next[i] > 1 && !(w->part[i] > 1))
+            w->since[i] = refine(w, i, before, t);
+        else if (!settled && !w->rows && !(w->next[i] > 1))
+            look_between(w, i, before, w->part[i], t, w->next[i]);
+        w->part[i] = w->next[i];
     }
 }
 
@@ -207,47 +263,48 @@ static cns_code look_through(walk *w, cns_error *err)
             const double t = a + (b - a) * j / pieces;
             if (t <= before || t >= b)
                 continue;
-            mpq_t inner;
-            mpq_init(inner);
-            mpq_set_d(inner, t);
-            look(w, before, inner);
-            mpq_clear(inner);
+            look(w, before, t);
             before = t;
         }
-        look(w, before, next);
+        look(w, before, b);
         mpq_swap(w->now, next);
     }
     mpq_clear(next);
     return code;
 }
 
-/* Is any difference near delta? Of the samples at w->from. */
-static bool gate_open(walk *w)
+/* Must the interval before this stop be looked through? Where a difference is near its limit at the beginning
+ * of it, and where a pass before this one found that it should have looked. */
+static bool wants_a_look(const walk *w, unsigned long stop)
 {
     for (int i = 0; i < w->n; i++)
-        if (!w->found[i] && exceeds(w, i, w->gate))
+        if ((!w->found[i] && w->part[i] > w->gate) || (w->forced && w->forced[i] == stop))
             return true;
     return false;
 }
 
-/* The row at w->to, the samples being there. */
-static void note_row(walk *w, cns_tc_result *r)
+/* The stop at w->to, the samples being there. looked: the interval before was looked through. */
+static void note_stop(walk *w, unsigned long stop, bool looked, cns_tc_result *r)
 {
-    const double t = mpq_get_d(w->to), half = cns_number_get_d(w->pair->end) / 2;
+    const double half = cns_number_get_d(w->pair->end) / 2;
+    w->t = mpq_get_d(w->to);
     for (int i = 0; i < w->n; i++) {
-        const bool holds = exceeds(w, i, w->delta);
+        w->part[i] = part_of_limit(w, i);
+        const bool holds = w->part[i] > 1;
         w->differs[i] = w->differs[i] || holds || !mpfr_zero_p(w->d);
         if (i == CNS_TC_NORM)
-            w->largest[t > half] = fmax(w->largest[t > half], cns_log2_mpfr(w->d));
-        if (holds && !w->found[i]) {
+            w->largest[w->t > half] = fmax(w->largest[w->t > half], cns_log2_mpfr(w->d));
+        if (!looked && !w->found[i] && !w->missed[i] && w->part[i] > w->leap)
+            w->missed[i] = stop;
+        if (!w->found[i] && (holds || (!w->rows && !isnan(w->since[i])))) {
             w->found[i] = true;
-            w->missed[i] = isnan(w->since[i]) && mpq_sgn(w->to) > 0;
-            r->time[i] = (cns_tc_time){CNS_TC_FOUND, isnan(w->since[i]) ? t : w->since[i], t};
+            r->time[i] = (cns_tc_time){CNS_TC_FOUND, isnan(w->since[i]) ? w->t : w->since[i], w->t};
+            if (!w->rows)
+                r->time[i].row = r->time[i].t;
         }
-        w->holds[i] = holds;
         w->since[i] = NAN;
     }
-    r->compared = t;
+    r->compared = w->t;
 }
 
 static bool enough(const walk *w)
@@ -266,21 +323,47 @@ static cns_code test_failed(cns_code code, cns_error *err)
     return code == CNS_STOPPED ? code : cns_fail(err, code, "the run under test: %s", inner.text);
 }
 
-/* One pass from row to row. *row: in the end, the number of rows compared. */
-static cns_code go(walk *w, cns_tc_result *r, unsigned long *row, cns_error *err)
+/* w->to = the time of a stop. *more is false if there is none. */
+static cns_code next_stop(walk *w, unsigned long stop, bool *more, cns_error *err)
+{
+    if (w->rows || stop == 0) {
+        *more = cns_row_time(w->pair->every, w->pair->end, stop, w->to);
+        return CNS_OK;
+    }
+    *more = mpq_cmp(w->from, w->pair->end->ratio) < 0;
+    cns_code code = *more ? cns_trajectory_step(w->reference, err) : CNS_OK;
+    if (code || !*more)
+        return code;
+    cns_envelope_follow(&w->envelope, w->reference);
+    mpq_set(w->to, w->pair->end->ratio);
+    no_later_than(w->to, w->reference, w->at);
+    const double length = mpq_get_d(w->to) - mpq_get_d(w->from);
+    w->spacing = length / PIECES;
+    w->resolution = ldexp(length, -STEP_RESOLUTION_LOG2);
+    return CNS_OK;
+}
+
+/* Both samples at w->to. */
+static cns_code sample(walk *w, cns_error *err)
+{
+    cns_code code = cns_trajectory_at(w->test, w->to, &w->u1, err);
+    return code ? test_failed(code, err) : cns_trajectory_at(w->reference, w->to, &w->u2, err);
+}
+
+/* One pass from stop to stop. */
+static cns_code go(walk *w, cns_tc_result *r, cns_error *err)
 {
     const double end = cns_number_get_d(w->pair->end);
-    for (*row = 0; cns_row_time(w->pair->every, w->pair->end, *row, w->to); ++*row) {
-        cns_code code = CNS_OK;
-        const bool forced = w->forced && *row < w->n_forced && w->forced[*row];
-        if (*row > 0 && (forced || gate_open(w)))
+    for (unsigned long stop = 0;; stop++) {
+        bool more;
+        cns_code code = next_stop(w, stop, &more, err);
+        if (code || !more)
+            return code;
+        const bool looked = stop > 0 && wants_a_look(w, stop);
+        if (looked)
             code = look_through(w, err);
-        if (!code) {
-            code = cns_trajectory_at(w->test, w->to, &w->u1, err);
-            if (code)
-                return test_failed(code, err);
-            code = cns_trajectory_at(w->reference, w->to, &w->u2, err);
-        }
+        if (!code)
+            code = sample(w, err);
         if (code)
             return code;
         if (w->u2.error_log2 > w->trust_log2) {
@@ -290,15 +373,12 @@ static cns_code go(walk *w, cns_tc_result *r, unsigned long *row, cns_error *err
                             "delta: it needs more digits",
                             mpq_get_d(w->to), w->u2.error_log2 * CNS_LOG10_2);
         }
-        note_row(w, r);
-        if (enough(w)) {
-            ++*row;
-            break;
-        }
+        note_stop(w, stop, looked, r);
+        if (enough(w))
+            return CNS_OK;
         cns_monitor_tell(w->pair->monitor, mpq_get_d(w->to) / end, "the run under test and its reference");
         mpq_set(w->from, w->to);
     }
-    return CNS_OK;
 }
 
 /* Is there a difference that does not grow? Not larger in the second half of the time, and either the
@@ -329,13 +409,13 @@ static void conclude(const walk *w, cns_tc_result *r)
     }
 }
 
-static cns_code pass(const cns_tc_pair *pair, const bool *forced, unsigned long n_forced, cns_tc_result *r,
-                     bool *missed, unsigned long *rows, cns_error *err)
+/* missed: for each observable, the stop before which a pass should have looked and did not; 0: none. */
+static cns_code pass(const cns_tc_pair *pair, const unsigned long *forced, cns_tc_result *r,
+                     unsigned long *missed, cns_error *err)
 {
     walk w;
     cns_code code = walk_init(&w, pair, r->n, err);
     w.forced = forced;
-    w.n_forced = n_forced;
     for (int i = 0; i < r->n; i++) {
         r->time[i] = (cns_tc_time){CNS_TC_BEYOND, 0, 0};
         w.since[i] = NAN;
@@ -343,7 +423,7 @@ static cns_code pass(const cns_tc_pair *pair, const bool *forced, unsigned long 
     r->trusted = true;
     r->compared = 0;
     if (!code)
-        code = go(&w, r, rows, err);
+        code = go(&w, r, err);
     if (w.u1.state)
         conclude(&w, r);
     if (w.test && w.reference) {
@@ -356,24 +436,6 @@ static cns_code pass(const cns_tc_pair *pair, const bool *forced, unsigned long 
     return code;
 }
 
-/* The rows before which the pass should have looked; NULL: none. */
-static bool *rows_missed(const cns_tc_pair *pair, const cns_tc_result *r, const bool *missed,
-                         unsigned long rows)
-{
-    bool *forced = NULL;
-    mpq_t t;
-    mpq_init(t);
-    for (int i = 0; i < r->n; i++)
-        for (unsigned long row = 0; missed[i] && row < rows; row++)
-            if (cns_row_time(pair->every, pair->end, row, t) && mpq_get_d(t) == r->time[i].row) {
-                if (!forced)
-                    forced = cns_xalloc(rows, sizeof *forced);
-                forced[row] = true;
-            }
-    mpq_clear(t);
-    return forced;
-}
-
 cns_code cns_tc_compare(const cns_tc_pair *pair, cns_tc_result *result, cns_error *err)
 {
     const cns_program *p = pair->reference->flow.program;
@@ -382,14 +444,13 @@ cns_code cns_tc_compare(const cns_tc_pair *pair, cns_tc_result *result, cns_erro
     result->time = cns_xalloc((size_t)result->n, sizeof *result->time);
     if (pair->reference->no_growth)
         return cns_fail(err, CNS_USAGE, "a reference whose growth is not followed cannot be trusted");
-    bool *missed = cns_xalloc((size_t)result->n, sizeof *missed);
-    unsigned long rows = 0;
-    cns_code code = pass(pair, NULL, 0, result, missed, &rows, err);
+    unsigned long *missed = cns_xalloc(2 * (size_t)result->n, sizeof *missed), any = 0;
+    cns_code code = pass(pair, NULL, result, missed, err);
+    for (int i = 0; i < result->n; i++)
+        any |= missed[i];
     /* A difference that came from nowhere within one interval: again, with an eye on that interval. */
-    bool *forced = !code || code == CNS_UNREACHED ? rows_missed(pair, result, missed, rows) : NULL;
-    if (forced)
-        code = pass(pair, forced, rows, result, missed, &rows, err);
-    free(forced);
+    if (any && (!code || code == CNS_UNREACHED))
+        code = pass(pair, missed, result, missed + result->n, err);
     free(missed);
     return code;
 }
@@ -436,6 +497,7 @@ cns_code cns_tc_measure(const cns_problem *p, const cns_tc_spec *spec, cns_tc_re
                                   .end = p->end,
                                   .every = cns_every(p),
                                   .delta = spec->delta,
+                                  .criterion = spec->criterion,
                                   .until = spec->until,
                                   .monitor = p->monitor};
         cns_code code = cns_tc_compare(&pair, result, err);

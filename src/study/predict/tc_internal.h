@@ -9,10 +9,13 @@
 /* Two trajectories, of programs with the same states. */
 typedef struct cns_tc_pair {
     const cns_trajectory_spec *test, *reference;
-    const cns_number *end, *every; /* rows at multiples of every, and at the end */
-    const cns_number *delta;       /* > 0 */
-    int until;                     /* the comparison ends when this observable, or every one, has its T_c */
-    const cns_monitor *monitor;    /* its progress; the flows look at their own stop */
+    const cns_number *end;   /* rational */
+    const cns_number *every; /* rows at multiples of every, and at the end; of use to CNS_TC_ROWS only */
+    const cns_number *delta; /* > 0 */
+    cns_tc_criterion criterion;
+    int until;                  /* the comparison ends when this observable, or every one, has its T_c */
+    mpfr_srcptr before;         /* the envelope of `until` before t = 0; NULL: 0 */
+    const cns_monitor *monitor; /* its progress; the flows look at their own stop */
 } cns_tc_pair;
 
 /* result is valid, and to be cleared, whatever is returned. CNS_UNREACHED: the reference was not trusted all
