@@ -162,7 +162,7 @@ exponents: all
 
 # Compiling. An object depends on its source, its headers, and the compiler and flags in use.
 
-$(B)/obj/%.o: %.c $(B)/flags
+$(B)/obj/%.o: %.c $(B)/flags | $(B)/libraries
 	@mkdir -p $(@D)
 	$(COMPILE) $(CPPFLAGS_$(firstword $(subst /, ,$<))) -MMD -MP -c $< -o $@
 
@@ -185,6 +185,11 @@ $(TOOLS): $(B)/%: $(B)/obj/tools/%.o $(LIB)
 	$(LINK) $(filter %.o %.a,$^) $(ALL_LDLIBS) -o $@
 
 $(B)/obj/tests/main.o: $(B)/suites.def
+
+# Are the libraries there? Asked once for a compiler and its flags; where they are not, it is said what to type.
+$(B)/libraries: $(B)/flags
+	@CC='$(CC)' CPPFLAGS='$(CPPFLAGS) $(CFLAGS)' LDFLAGS='$(LDFLAGS) $(LDLIBS)' tools/install_deps --look
+	@touch $@
 
 # Small files made from variables; each is written only when its text changes, so that installing as another user
 # builds nothing anew and writes nothing here.

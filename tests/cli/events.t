@@ -46,3 +46,23 @@ $ grep ^z a.csv | wc -l; grep ^z b.csv | wc -l; for f in a b; do grep ^z $f.csv 
 > 4
 > 3
 > 1
+
+# The section is 1e-30 below the maximum of z: it is met sqrt(2e-30/2889) before and after that, where -2889 is the
+# second derivative there. With the start cut to 20 decimals the maximum stays 9e-21 below the section.
+= two events that only 17 decimals tell apart carry all the decimals that are asked for
+$ cat > a.yaml; z=39.8234661207612731722452097408752498430986
+$ cns run -q a.yaml --events a.csv --section z=$z -o t.csv; cns run -q a.yaml --events b.csv --section z=$z -o t.csv --set goal.decimals=30
+$ cns run -q a.yaml --events c.csv --section z=extremum -o t.csv
+$ grep '^z' a.csv | cut -d, -f2,7; for f in a b; do grep '^z' $f.csv | cut -d, -f3 | cut -c1-20; done | sort | uniq -c | sed 's/ *\([0-9]*\) .*/\1/'
+$ cat a.csv c.csv | grep '^z' | cut -d, -f3 | cut -c15- | awk '{t[NR] = $1} END {print (t[1] + t[2]) / 2 - t[3], t[2] - t[1] - int(2e20 * sqrt(2e-30 / 2889.2))}' | tr -d -
+$ cns run -q a.yaml --events d.csv --section z=$z -o t.csv --set initial.x=-13.76361068213420052501 --set initial.y=-19.57875194245179553883; grep -c '^z' d.csv || true
+| model: lorenz
+| initial: {x: -13.763610682134200525014401054361653864100864854092, y: -19.578751942451795538838041446009558866114240053428, z: 27}
+| time: {end: 0.3}
+| goal: {decimals: 20}
+> 1,20
+> -1,20
+> 2
+> 2
+> re:^[01](.5)? [01]$
+> 0

@@ -175,3 +175,15 @@ $ cns run -q "$CASES"/rest.yaml --set initial.theta=1e12 --set initial.Vy=0.01 -
 2> --set initial.theta=1e400: 'theta' in 'initial' must be between -1e300 and 1e300, where runs in double precision can plan for it, not '1e400'
 2> --set initial.x=-1e400: 'x' in 'initial' must be between -1e300 and 1e300, where runs in double precision can plan for it, not '-1e400'
 2> --set parameters.R=1e301: 'R' in 'parameters' must be between -1e300 and 1e300, where runs in double precision can plan for it, not '1e301'
+
+= make where a library is missing says what to type, and compiles nothing
+$ cat > nocc; chmod +x nocc; MAKEFLAGS= make -s --no-print-directory -C "$CASES"/.. B="$PWD/b" CC="$PWD/nocc" 2> said || echo $?
+$ head -n 2 said; wc -l < said | tr -d ' '; find b -name '*.o'
+if command -v make && command -v apt-get
+| #!/bin/sh
+| for a; do case $a in *.c) ! grep -q '<mpfr.h>' "$a" || { echo "$a:1:10: fatal error: mpfr.h: No such file or directory" >&2; exit 1; } ;; esac; done
+| exec cc "$@"
+> 2
+> The compiler or a library is missing. Type this line, then make again; make run does both by itself:
+> re:^(sudo )?apt-get update && (sudo )?apt-get install .*libmpfr-dev
+> 3
