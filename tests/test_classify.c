@@ -275,25 +275,65 @@ START_TEST(symmetries_of_the_disk)
 }
 END_TEST
 
+static cns_code name_mode(void *context, const cns_system *s, const char *value, const cns_monitor *monitor,
+                          FILE *const *table, cns_error *err)
+{
+    cns_motion m;
+    (void)context;
+    cns_code code = cns_classify(s, &usual, monitor, &m, err);
+    fprintf(table[0], "%s %s\n", value, cns_mode_name(m.mode));
+    fputs("second\n", table[1]);
+    cns_motion_clear(&m);
+    return code;
+}
+
+static cns_code tell_start(void *context, const cns_system *s, const char *value, const cns_monitor *monitor,
+                           FILE *const *table, cns_error *err)
+{
+    (void)context;
+    (void)monitor;
+    const char *start = cns_system_initial(s)[0].text;
+    if (strcmp(start, "1") == 0)
+        return cns_fail(err, CNS_UNREACHED, "nothing to tell,\nin vain");
+    fprintf(table[0], "%s %s\n", value, start);
+    return CNS_OK;
+}
+
 START_TEST(a_sweep)
 {
     cns_system *s = system_of(&pendulum, "0", (const char *[]){"1", "1.5", "0"});
     cns_sweep sweep;
     cns_error err;
-    char *rows[8];
+    cns_sweep_rows rows[8];
+    const cns_sweep_study study = {.name = "modes", .rows = name_mode};
     check_ok(cns_sweep_parse(&sweep, &pendulum, "P=1/2:2:0.5", &err), &err);
     ck_assert_int_eq(cns_sweep_count(&sweep), 4);
     cns_sweep_clear(&sweep);
     check_ok(cns_sweep_parse(&sweep, &pendulum, "P=0.5:1.5:1", &err), &err);
     ck_assert_int_eq(cns_sweep_count(&sweep), 2);
-    check_ok(cns_sweep_run(s, &sweep, &usual, NULL, NULL, rows, &err), &err);
-    ck_assert_int_eq(strncmp(rows[0], "0.5,flutter,mirror,1,0,", 23), 0);
-    ck_assert_int_eq(strncmp(rows[1], "1.5,tumble,none,1,1,", 20), 0);
-    free(rows[0]);
-    free(rows[1]);
+    check_ok(cns_sweep_run(s, &sweep, &study, NULL, NULL, rows, &err), &err);
+    ck_assert_str_eq(rows[0].table[0], "0.5 flutter\n");
+    ck_assert_str_eq(rows[1].table[0], "1.5 tumble\n");
+    ck_assert_str_eq(rows[1].table[1], "second\n");
+    cns_sweep_rows_clear(rows, 2);
     cns_sweep_clear(&sweep);
-    static const char *const wrong[] = {"P",       "P=1",      "P=1:2",      "Q=1:2:1", "P=1:2:0",
-                                        "P=2:1:1", "P=1:pi:1", "P=0:1:1e-9", "P=1:2:x"};
+    /* downwards, and of a state: the pendulum that is pulled to rest at its top tells where it began */
+    check_ok(cns_sweep_parse(&sweep, &pendulum, "initial.a=3:1:1/2", &err), &err);
+    ck_assert_int_eq(cns_sweep_count(&sweep), 5);
+    ck_assert_str_eq(cns_sweep_name(&sweep, &pendulum).text, "initial.a");
+    cns_sweep_study starts = {.name = "starts", .rows = tell_start};
+    check_ok(cns_sweep_run(s, &sweep, &starts, NULL, NULL, rows, &err), &err);
+    for (int i = 0; i < 5; i++) {
+        char wanted[32];
+        snprintf(wanted, sizeof wanted, i % 2 ? "%.1f %.1f\n" : "%.0f %.0f\n", 3 - 0.5 * i, 3 - 0.5 * i);
+        if (i < 4)
+            ck_assert_str_eq(rows[i].table[0], wanted);
+    }
+    ck_assert_str_eq(rows[4].table[0], "# initial.a=1: nothing to tell,?in vain\n");
+    cns_sweep_rows_clear(rows, 5);
+    cns_sweep_clear(&sweep);
+    static const char *const wrong[] = {"P",        "P=1",      "P=1:2",      "Q=1:2:1", "P=1:2:0",
+                                        "P=1:2:-1", "P=1:pi:1", "P=0:1:1e-9", "P=1:2:x"};
     for (int i = 0; i < COUNT(wrong); i++)
         ck_assert_int_eq(cns_sweep_parse(&sweep, &pendulum, wrong[i], &err), CNS_USAGE);
     cns_system_free(s);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "cns/solve.h"
+#include "cns/study/classify.h"
 #include "cns/study/sweep.h"
 #include "problem.h"
 
@@ -197,6 +198,18 @@ static const signed char no_change[] = {1, 1};
 static const cns_model_motion turning = {
     .angle = 0, .rate = 1, .turns = 1, .height = -1, .turn_sign = no_change};
 
+static cns_code name_mode(void *context, const cns_system *s, const char *value, const cns_monitor *monitor,
+                          FILE *const *table, cns_error *err)
+{
+    const cns_classify_spec spec = {.observable = -1, .max_digits = 200};
+    cns_motion motion;
+    (void)context;
+    cns_code code = cns_classify(s, &spec, monitor, &motion, err);
+    fprintf(table[0], "%s,%s\n", value, cns_mode_name(motion.mode));
+    cns_motion_clear(&motion);
+    return code;
+}
+
 /* The mode at a = 0.75, by a sweep that keeps what it finds. */
 static void mode_of(const char *factor, const char *directory, char mode[32])
 {
@@ -209,15 +222,15 @@ static void mode_of(const char *factor, const char *directory, char mode[32])
                          .build = pendulum,
                          .data = factor};
     const cns_setting start[] = {{"angle", "1"}, {"w", "1.5"}, {NULL, NULL}};
-    const cns_classify_spec spec = {.observable = -1, .max_digits = 200};
+    const cns_sweep_study study = {.name = "mode", .rows = name_mode};
     cns_system *s = system_new(&m, start);
     cns_sweep sweep;
     cns_error err;
-    char *row;
+    cns_sweep_rows row;
     check_ok(cns_sweep_parse(&sweep, &m, "a=0.75:0.75:1", &err), &err);
-    check_ok(cns_sweep_run(s, &sweep, &spec, directory, NULL, &row, &err), &err);
-    ck_assert_int_eq(sscanf(row, "0.75,%31[a-z]", mode), 1);
-    free(row);
+    check_ok(cns_sweep_run(s, &sweep, &study, directory, NULL, &row, &err), &err);
+    ck_assert_int_eq(sscanf(row.table[0], "0.75,%31[a-z]", mode), 1);
+    cns_sweep_rows_clear(&row, 1);
     cns_sweep_clear(&sweep);
     cns_system_free(s);
 }

@@ -32,8 +32,9 @@ typedef struct cns_setting {
  * model NULL, which is what cns_model_find() says of a name that it does not know. */
 cns_system *cns_system_parse(const cns_model *model, const cns_setting *settings, cns_error *err);
 
-/* The same system but for one parameter, or for the smoothing (eps NULL: true absolute values). */
-cns_system *cns_system_with(const cns_system *s, int parameter, const cns_number *value, cns_error *err);
+/* The same system but for one number, or for the smoothing (eps NULL: true absolute values). varied: a
+ * parameter; from n_parameters on, the states at t = 0. */
+cns_system *cns_system_with(const cns_system *s, int varied, const cns_number *value, cns_error *err);
 cns_system *cns_system_smoothed(const cns_system *s, const cns_number *eps, cns_error *err);
 
 void cns_system_free(cns_system *s); /* NULL: nothing */
@@ -57,8 +58,8 @@ int cns_system_guesses(const cns_system *s, cns_model_guess *guesses);
 
 /* A new text of all that results of this system depend on (version, parameters, initial states, smoothing,
  * scales and the program itself), to tell whether results that were kept are those of this system. It begins
- * with what is done with the system, formatted. varied: a parameter whose value is left out, because results
- * are kept under its value; -1: none. NULL: out of memory. */
+ * with what is done with the system, formatted. varied: a number that is left out, as in cns_system_with(),
+ * because results are kept under its value; -1: none. NULL: out of memory. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif

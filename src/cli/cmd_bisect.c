@@ -54,7 +54,8 @@ static int run(cns_context *cx)
     if (!c->has_bisect)
         return cns_complain_of_case(c, "no 'bisect': `cns bisect` needs that section");
     cx->monitor.progress = on_progress;
-    cx->in_parts = true;
+    cx->keeper = "-o DIR";
+    cx->kept = cx->o->output;
     cns_code code = cns_bisect(cx->system, &c->bisect, cx->o->output, &cx->monitor, &r, &err);
     int status = cns_report(cx, code, &err, &view, r.lower != NULL ? &r : NULL);
     cns_bisect_clear(&r);

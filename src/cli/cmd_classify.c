@@ -3,13 +3,10 @@
 #include <string.h>
 
 #include "cns/study/classify.h"
-#include "cns/study/sweep.h"
 #include "commands.h"
-#include "core/memory.h"
 #include "core/text.h"
-#include "io/provenance.h"
 #include "report.h"
-#include "signals.h"
+#include "sweep.h"
 
 enum { MAX_DIGITS = 400 };
 
@@ -26,6 +23,13 @@ typedef struct found_motion {
     cns_motion motion;
     const char *observable; /* whose maxima are listed */
 } found_motion;
+
+/* The first of the maxima that are shown: of chaos there may be thousands. */
+static int first_shown(const cns_motion *m)
+{
+    enum { SHOWN = 64 };
+    return m->mode == CNS_MODE_CHAOTIC && m->extrema > SHOWN ? m->extrema - SHOWN : 0;
+}
 
 static void print_yaml(cns_summary *s, const cns_context *cx, const void *result)
 {
@@ -55,7 +59,7 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
     if (m->extrema > 0) {
         cns_summary_text(s, "observable", found->observable);
         cns_summary_open_list(s, "maxima");
-        for (int i = 0; i < m->extrema; i++)
+        for (int i = first_shown(m); i < m->extrema; i++)
             cns_summary_text(s, NULL, m->maximum[i]);
         cns_summary_shut(s);
     }
@@ -107,7 +111,7 @@ static void print_text(FILE *out, const cns_context *cx, const void *result)
     }
     if (m->extrema > 0)
         fprintf(out, "maxima of %s:", found->observable);
-    for (int i = 0; i < m->extrema; i++)
+    for (int i = first_shown(m); i < m->extrema; i++)
         fprintf(out, " %s", m->maximum[i]);
     if (m->extrema > 0)
         fputc('\n', out);
@@ -126,50 +130,66 @@ static int classify(cns_context *cx, const cns_classify_spec *spec, const char *
     return status;
 }
 
-/* What a sweep found. */
-typedef struct found_sweep {
-    cns_sweep sweep;
-    char **rows; /* cns_sweep_count of them, as text; NULL: not computed */
-    const char *observable;
-} found_sweep;
+/* A sweep. */
 
-static void print_sweep(FILE *out, const cns_context *cx, const void *result)
+static void print_optional(FILE *out, const char *text)
 {
-    const found_sweep *found = result;
-    const int n = cns_sweep_count(&found->sweep);
-    int done = 0;
-    char reason[128];
-    cns_provenance_begin(out, cx->c, "modes of ", CNS_PROVENANCE_CASE);
-    fprintf(out, "# sweep: %s\n# maxima: of %s\n", cx->o->sweep, found->observable);
-    fprintf(out, "%s,%s\n", cx->c->model->parameters[found->sweep.parameter].name, CNS_SWEEP_HEADER);
-    for (int i = 0; i < n; i++)
-        if (found->rows[i] != NULL) {
-            fprintf(out, "%s\n", found->rows[i]);
-            done++;
-        }
-    snprintf(reason, sizeof reason, "%s%s%d of %d rows", cns_signal_stop ? cns_signal_text() : "",
-             cns_signal_stop ? ", " : "", done, n);
-    cns_provenance_end(out, done == n ? NULL : reason);
+    fprintf(out, "%s,", text != NULL ? text : "");
 }
 
-static int sweep(cns_context *cx, const cns_classify_spec *spec, const char *observable)
+static void print_row(FILE *out, const char *value, const cns_motion *m)
 {
-    static const cns_view view = {.text = print_sweep};
-    found_sweep found = {.observable = observable};
-    cns_error err = {0};
-    if (cns_sweep_parse(&found.sweep, cx->c->model, cx->o->sweep, &err))
-        return cns_complain(err.code, "--sweep: %s", err.text);
-    const int n = cns_sweep_count(&found.sweep);
-    cx->in_parts = true;
-    found.rows = cns_xalloc((size_t)n, sizeof *found.rows);
-    cns_code code =
-        cns_sweep_run(cx->system, &found.sweep, spec, cx->o->output, &cx->monitor, found.rows, &err);
-    int status = cns_report(cx, code, &err, &view, &found);
-    for (int i = 0; i < n; i++)
-        free(found.rows[i]);
-    free(found.rows);
-    cns_sweep_clear(&found.sweep);
-    return status;
+    const bool periodic = m->period != NULL;
+    fprintf(out, "%s,%s,", value, cns_mode_name(m->mode));
+    if (periodic)
+        fprintf(out, "%s,%d,%ld,", m->symmetry, m->returns, m->winding);
+    else
+        fprintf(out, ",,,");
+    print_optional(out, m->period);
+    print_optional(out, m->descent);
+    if (periodic)
+        fprintf(out, "%.4g,0,,", m->multiplier);
+    else if (m->lambda_se >= 0)
+        fprintf(out, ",%.5g,%.2g,", m->lambda, m->lambda_se);
+    else
+        fprintf(out, ",,,");
+    fprintf(out, "%.6g,%.6g,", m->transient, m->time);
+    cns_sweep_print_last(out, m->note);
+}
+
+static cns_code sweep_rows(void *context, const cns_system *s, const char *value, const cns_monitor *monitor,
+                           FILE *const *table, cns_error *err)
+{
+    cns_motion motion;
+    cns_code code = cns_classify(s, context, monitor, &motion, err);
+    if (code == CNS_NUMERIC || code == CNS_UNREACHED) {
+        fprintf(table[0], "%s,failed,,,,,,,,,,,", value);
+        cns_sweep_print_last(table[0], err->text);
+        code = CNS_OK;
+    } else if (!code) {
+        print_row(table[0], value, &motion);
+        for (int i = 0; i < motion.extrema; i++)
+            fprintf(table[1], "%s,%d,%s\n", value, i + 1, motion.maximum[i]);
+    }
+    cns_motion_clear(&motion);
+    return code;
+}
+
+static int sweep(cns_context *cx, cns_classify_spec *spec, const char *observable)
+{
+    const cns_options *o = cx->o;
+    char name[128], columns[160];
+    snprintf(name, sizeof name, "classify, observable %d, until %.17g, digits %ld", spec->observable,
+             spec->until, spec->max_digits);
+    snprintf(columns, sizeof columns, "n,%.120s", observable);
+    const cns_swept swept = {
+        .study = {.name = name, .context = spec, .rows = sweep_rows},
+        .table = {{.what = "modes of ",
+                   .columns = "mode,symmetry,returns,winding,period,descent,multiplier,lambda,lambda_se,"
+                              "transient,time,note"},
+                  {.what = "maxima in modes of ", .columns = columns, .path = o->maxima}},
+        .directory = o->keep != NULL ? o->keep : o->output};
+    return cns_sweep_tables(cx, &swept);
 }
 
 /* The state that --observable names; -1: left to the study, or unknown (then the message is out). */
@@ -204,10 +224,11 @@ static int run(cns_context *cx)
     const cns_options *o = cx->o;
     const cns_model *m = cx->c->model;
     cns_classify_spec spec = {.max_digits = MAX_DIGITS};
-    if (o->output != NULL && o->sweep == NULL)
-        return cns_complain(CNS_USAGE, "-o is the directory of a sweep's runs: it needs --sweep");
-    if (o->sweep != NULL && o->yaml)
-        return cns_complain(CNS_USAGE, "--sweep prints a table: it does not go with --yaml");
+    if ((o->output != NULL || o->keep != NULL || o->maxima != NULL) && o->sweep == NULL)
+        return cns_complain(CNS_USAGE, "%s is for a sweep's values: it needs --sweep",
+                            o->maxima != NULL ? "--maxima"
+                            : o->keep != NULL ? "--keep"
+                                              : "-o");
     int status = read_observable(o, m, &spec.observable);
     if (!status)
         status = read_until(o, &spec.until);
@@ -233,16 +254,18 @@ const cns_command cns_command_classify = {
         "finds the cycle that it tends to. Keys:\n"
         "  mode      steady, flutter (periodic, from side to side), tumble (periodic, going round), "
         "periodic (in a model without an angle), chaotic (the largest exponent is positive, by six standard "
-        "errors), undecided (exit status 1; a note says why)\n"
+        "errors, up to the time that is told), undecided (exit status 1; a note says why)\n"
         "  period    after which the motion repeats, up to place and whole revolutions of its angle\n"
         "  winding   whole revolutions in a period\n"
         "  symmetry  mirror: half a period makes the motion its own mirror image; turn: a part of a period "
         "turns it by half a revolution and otherwise repeats it; none\n"
         "  returns   passages through broadside (angle = k pi) until it repeats, up to symmetry: 1 is the "
         "simplest motion of its kind, 2 what is called period two\n"
-        "With --sweep it does so for many values of a parameter, on all cores, and prints a table; with -o "
-        "DIR every finished value is kept in DIR, and none is computed again.\n",
+        "With --sweep it does so for many values, on all cores, and prints a table; --maxima FILE adds one "
+        "with a row for every maximum of the observable, all of a period, or of chaos those of the second "
+        "half of the time. With --keep DIR (or -o DIR) every finished value is kept in DIR, and none is "
+        "computed again.\n",
     .options = CNS_TAKES(CNS_OPTION_OUTPUT_DIR, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_UNTIL_LIMIT,
-                         CNS_OPTION_SWEEP, CNS_OPTION_OBSERVABLE, CNS_OPTION_MAX_TIME, CNS_OPTION_THREADS,
-                         CNS_OPTION_QUIET),
+                         CNS_OPTION_SWEEP, CNS_OPTION_KEEP, CNS_OPTION_MAXIMA, CNS_OPTION_OBSERVABLE,
+                         CNS_OPTION_MAX_TIME, CNS_OPTION_THREADS, CNS_OPTION_QUIET),
 };

@@ -224,7 +224,8 @@ static int run(cns_context *cx)
     cns_laws_result r;
     if (!c->has_laws)
         return cns_complain_of_case(c, "no 'laws': `cns laws` needs that section");
-    cx->in_parts = true;
+    cx->keeper = "-o DIR";
+    cx->kept = cx->o->output;
     cns_code code = cns_laws(&cx->problem, &c->laws, cx->o->output, &r, &err);
     int status = cns_report(cx, code, &err, &view, code ? NULL : &r);
     for (int k = 0; k < CNS_LAW_KINDS && !status; k++)

@@ -2,11 +2,13 @@
 #include "cns/study/lyapunov.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "commands.h"
 #include "core/clock.h"
 #include "io/provenance.h"
 #include "report.h"
+#include "sweep.h"
 
 enum { MOST_DECIMALS = 9 };
 
@@ -224,12 +226,86 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
         cns_summary_text(s, "note", r->note);
 }
 
+/* A sweep. */
+
+static void print_swept(FILE *out, const char *value, const cns_lyapunov_result *r)
+{
+    fputs(value, out);
+    for (int i = 0; i < r->n; i++) {
+        const cns_exponent *e = &r->exponent[i];
+        const figure f = figure_of(e->lambda, e->se, decimals_for(e->se));
+        fprintf(out, ",%s,%s", has_figure(r) ? f.value : "", has_figure(r) ? f.error : "");
+    }
+    if (r->n > 1) {
+        const figure f = figure_of(r->dimension, r->dimension_se, decimals_for(r->dimension_se));
+        const bool there = has_figure(r) && isfinite(r->dimension);
+        fprintf(out, ",%s,%s", there ? f.value : "", there ? f.error : "");
+    }
+    fprintf(out, ",%.9g,%.9g,", r->discarded, r->time);
+    char note[sizeof r->note + 32];
+    snprintf(note, sizeof note, "%s", r->note);
+    if (has_figure(r) && r->changes > 0)
+        snprintf(note, sizeof note, "the rate changes at t about %.3g", r->change[0].t);
+    cns_sweep_print_last(out, note);
+}
+
+static cns_code sweep_rows(void *context, const cns_system *s, const char *value, const cns_monitor *monitor,
+                           FILE *const *table, cns_error *err)
+{
+    const cns_context *cx = context;
+    cns_lyapunov_result r;
+    cns_code code = cns_lyapunov(s, &cx->c->lyapunov, monitor, &r, err);
+    if (!code || code == CNS_UNREACHED) {
+        print_swept(table[0], value, &r); /* the note says why there is no figure */
+        code = CNS_OK;
+    }
+    cns_lyapunov_result_clear(&r);
+    return code;
+}
+
+/* How many exponents the case asks for. */
+static int exponents(const cns_context *cx)
+{
+    int n = 0;
+    for (int i = 0; i < cx->c->model->n_states; i++)
+        n += cns_program_is_dynamic(cns_system_program(cx->system), i);
+    return cx->c->lyapunov.exponents > 0 ? cx->c->lyapunov.exponents : n;
+}
+
+static int sweep(cns_context *cx)
+{
+    const cns_lyapunov_spec *spec = &cx->c->lyapunov;
+    const int n = exponents(cx);
+    char name[256];
+    cns_text_stream columns;
+    cns_error err;
+    snprintf(name, sizeof name, "lyapunov, time %s, arithmetic %d, %ld digits, %d exponents", spec->time.text,
+             (int)spec->arithmetic, spec->digits, n);
+    cns_text_open(&columns);
+    for (int i = 1; i <= n && n > 1; i++)
+        fprintf(columns.file, "lambda%d,se%d,", i, i);
+    fprintf(columns.file, "%s", n > 1 ? "dimension,dimension_se," : "lambda,se,");
+    fprintf(columns.file, "discarded,time,note");
+    char *names = cns_text_close(&columns, &err);
+    const cns_swept swept = {
+        .study = {.name = name, .context = cx, .rows = sweep_rows},
+        .table = {{.what = "Lyapunov exponents of ", .columns = names, .path = cx->o->output}},
+        .directory = cx->o->keep};
+    int status = names != NULL ? cns_sweep_tables(cx, &swept) : cns_complain(err.code, "%s", err.text);
+    free(names);
+    return status;
+}
+
 static const cns_view view = {.text = print_table, .yaml = print_yaml, .to_file = true};
 
 static int run(cns_context *cx)
 {
     cns_error err = {0};
     cns_lyapunov_result r;
+    if (cx->o->keep != NULL && cx->o->sweep == NULL)
+        return cns_complain(CNS_USAGE, "--keep is for a sweep's values: it needs --sweep");
+    if (cx->o->sweep != NULL)
+        return sweep(cx);
     cns_code code = cns_lyapunov(cx->system, &cx->c->lyapunov, &cx->monitor, &r, &err);
     int status = cns_report(cx, code, &err, &view, !code || code == CNS_UNREACHED ? &r : NULL);
     if (!status && cx->o->verbose)
@@ -254,7 +330,9 @@ const cns_command cns_command_lyapunov = {
         "With `exponents: all`, or a number, as many tangents are carried; then come the Kaplan-Yorke "
         "dimension and, as a check, the sum of all exponents and the mean trace of the Jacobian.\n"
         "Where the rate of growth changes once, what was before is left out. Where it changes again, or "
-        "varies over longer than the batches that give the error, there is no figure: exit status 1.\n",
-    .options = CNS_TAKES(CNS_OPTION_OUTPUT_FILE, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_MAX_TIME,
-                         CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
+        "varies over longer than the batches that give the error, there is no figure: exit status 1.\n"
+        "With --sweep the table has a row for every value.\n",
+    .options =
+        CNS_TAKES(CNS_OPTION_OUTPUT_FILE, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_SWEEP, CNS_OPTION_KEEP,
+                  CNS_OPTION_MAX_TIME, CNS_OPTION_THREADS, CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
 };

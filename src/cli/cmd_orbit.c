@@ -121,7 +121,7 @@ typedef struct found_branch {
 static void print_header(FILE *out, const cns_model *m, const found_branch *found)
 {
     const cns_orbit *o = found->branch->point[0].orbit;
-    fprintf(out, "%s,crossing,period,repetitions,winding", m->parameters[found->sweep.parameter].name);
+    fprintf(out, "%s,crossing,period,repetitions,winding", m->parameters[found->sweep.varied].name);
     for (int k = 0; k < o->d; k++)
         fprintf(out, ",%s", m->states[o->index[k]].name);
     for (int i = 0; i < o->n_states; i++)

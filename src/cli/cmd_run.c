@@ -11,6 +11,7 @@
 #include "io/write_table.h"
 #include "report.h"
 #include "signals.h"
+#include "sweep.h"
 
 typedef struct run_context {
     cns_context *cx;
@@ -194,6 +195,61 @@ static int compute(run_context *r)
     return status;
 }
 
+/* A sweep. */
+
+typedef struct swept_run {
+    const cns_context *cx;
+    const char *value;
+    FILE *out;
+} swept_run;
+
+static cns_code print_row(void *context, const cns_row *row, cns_error *err)
+{
+    const swept_run *r = context;
+    (void)err;
+    fprintf(r->out, "%s,", r->value);
+    cns_table_print_row(r->out, r->cx->c, row);
+    return CNS_OK;
+}
+
+static cns_code sweep_rows(void *context, const cns_system *s, const char *value, const cns_monitor *monitor,
+                           FILE *const *table, cns_error *err)
+{
+    const cns_context *cx = context;
+    swept_run r = {cx, value, table[0]};
+    const cns_sink sink = {.context = &r, .row = print_row};
+    cns_problem p = cx->problem;
+    cns_result result = {.decimals = -1};
+    p.system = s;
+    p.monitor = monitor;
+    p.sink = &sink;
+    return cx->c->has_goal ? cns_solve_goal(&p, &cx->c->goal, &result, err)
+                           : cns_solve_numerics(&p, &cx->c->numerics, cx->o->prove, &result, err);
+}
+
+static int sweep(cns_context *cx)
+{
+    const cns_case *c = cx->c;
+    if (cx->o->events != NULL || cx->o->sections.n > 0)
+        return cns_complain(CNS_USAGE, "--events does not go with --sweep");
+    char *name = cns_sweep_study_name(c, cx->o->prove ? "run, proven" : "run");
+    cns_text_stream columns;
+    cns_error err;
+    cns_text_open(&columns);
+    cns_table_print_names(columns.file, c);
+    char *names = cns_text_close(&columns, &err);
+    const cns_swept swept = {.study = {.name = name, .context = cx, .rows = sweep_rows},
+                             .table = {{.what = "trajectories of ",
+                                        .note = c->has_goal || cx->o->prove ? NULL : "UNPROVEN",
+                                        .columns = names,
+                                        .path = cx->o->output}},
+                             .directory = cx->o->keep};
+    int status = names != NULL ? cns_sweep_tables(cx, &swept) : cns_complain(err.code, "%s", err.text);
+    free(names);
+    free(name);
+    return status;
+}
+
 static int run(cns_context *cx)
 {
     const cns_case *c = cx->c;
@@ -202,6 +258,10 @@ static int run(cns_context *cx)
         return cns_complain_of_case(
             c, "neither 'goal' nor 'numerics': `cns run` needs one of them, such as --set "
                "goal.decimals=10");
+    if (cx->o->keep != NULL && cx->o->sweep == NULL)
+        return cns_complain(CNS_USAGE, "--keep is for a sweep's values: it needs --sweep");
+    if (cx->o->sweep != NULL)
+        return sweep(cx);
     int status = open_outputs(&r);
     if (!status)
         status = compute(&r);
@@ -227,8 +287,11 @@ const cns_command cns_command_run = {
         "--section, with the states there; proven like the rows, by the same two runs. A section is "
         "STATE=VALUE, STATE=VALUE mod PERIOD, or STATE=extremum. `direction` is the sign of the change (at "
         "a maximum -1), 0 where the state only touches. Nothing at the start counts. For the events alone: "
-        "-o /dev/null.\n",
+        "-o /dev/null.\n"
+        "With --sweep the table has the rows of many trajectories, one behind the other, and the value of "
+        "each "
+        "in the first column.\n",
     .options = CNS_TAKES(CNS_OPTION_OUTPUT_FILE, CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_PROVE,
-                         CNS_OPTION_EVENTS, CNS_OPTION_SECTION, CNS_OPTION_MAX_TIME, CNS_OPTION_THREADS,
-                         CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
+                         CNS_OPTION_EVENTS, CNS_OPTION_SECTION, CNS_OPTION_SWEEP, CNS_OPTION_KEEP,
+                         CNS_OPTION_MAX_TIME, CNS_OPTION_THREADS, CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
 };

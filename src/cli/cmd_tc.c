@@ -1,8 +1,12 @@
 /* cns tc: the critical predictable time of a run by numerics. */
 #include "cns/study/tc.h"
+
+#include <stdlib.h>
+
 #include "commands.h"
 #include "core/clock.h"
 #include "report.h"
+#include "sweep.h"
 
 static const char *observable_name(const cns_model *m, int i)
 {
@@ -114,6 +118,69 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
 
 static const cns_view view = {.text = print_text, .yaml = print_yaml};
 
+static cns_tc_spec spec_of(const cns_context *cx)
+{
+    const cns_case *c = cx->c;
+    return (cns_tc_spec){.numerics = &c->numerics,
+                         .delta = &c->laws.delta,
+                         .criterion = c->laws.criterion,
+                         .until = one_state(c) ? CNS_TC_STATE(c->laws.observable) : CNS_TC_EVERY_ONE,
+                         .reference_digits = cx->o->reference_digits};
+}
+
+/* A sweep. */
+
+static void print_swept(FILE *out, const cns_case *c, const char *value, const cns_tc_result *r)
+{
+    for (int i = 0; i < r->n; i++) {
+        const cns_tc_time *t = &r->time[i];
+        const bool is_found = t->kind == CNS_TC_FOUND;
+        char text[80];
+        if (!is_shown(c, i))
+            continue;
+        if (is_found)
+            time_text(text, sizeof text, t->t);
+        else
+            bound_text(&c->end, text, sizeof text, t->t);
+        fprintf(out, "%s,%s,%s,%s,%s\n", value, observable_name(c->model, i), is_found ? text : "",
+                is_found ? "" : text,
+                t->kind == CNS_TC_STILL       ? "the difference does not grow"
+                : t->kind == CNS_TC_IDENTICAL ? "the two runs are identical"
+                                              : "");
+    }
+}
+
+static cns_code sweep_rows(void *context, const cns_system *s, const char *value, const cns_monitor *monitor,
+                           FILE *const *table, cns_error *err)
+{
+    const cns_context *cx = context;
+    const cns_tc_spec spec = spec_of(cx);
+    cns_problem p = cx->problem;
+    cns_tc_result r;
+    p.system = s;
+    p.monitor = monitor;
+    cns_code code = cns_tc_measure(&p, &spec, &r, err);
+    if (!code || code == CNS_UNREACHED)
+        print_swept(table[0], cx->c, value, &r);
+    cns_tc_result_clear(&r);
+    return code;
+}
+
+static int sweep(cns_context *cx)
+{
+    const cns_case *c = cx->c;
+    char what[256];
+    snprintf(what, sizeof what, "tc, delta %s, criterion %d, observable %d, reference %ld",
+             c->laws.delta.text, (int)c->laws.criterion, c->laws.observable, cx->o->reference_digits);
+    char *name = cns_sweep_study_name(c, what);
+    const cns_swept swept = {.study = {.name = name, .context = cx, .rows = sweep_rows},
+                             .table = {{.what = "T_c of ", .columns = "observable,tc,beyond,note"}},
+                             .directory = cx->o->keep};
+    int status = cns_sweep_tables(cx, &swept);
+    free(name);
+    return status;
+}
+
 static int run(cns_context *cx)
 {
     cns_case *c = cx->c;
@@ -125,13 +192,13 @@ static int run(cns_context *cx)
                                                 : "no 'numerics'");
     if (cx->o->delta != NULL)
         cns_number_parse(&c->laws.delta, cx->o->delta, &err);
-    const cns_tc_spec spec = {.numerics = &c->numerics,
-                              .delta = &c->laws.delta,
-                              .criterion = c->laws.criterion,
-                              .until = one_state(c) ? CNS_TC_STATE(c->laws.observable) : CNS_TC_EVERY_ONE,
-                              .reference_digits = cx->o->reference_digits};
+    const cns_tc_spec spec = spec_of(cx);
     if (one_state(c))
         cx->problem.n_columns = 0; /* no derived quantities */
+    if (cx->o->keep != NULL && cx->o->sweep == NULL)
+        return cns_complain(CNS_USAGE, "--keep is for a sweep's values: it needs --sweep");
+    if (cx->o->sweep != NULL)
+        return sweep(cx);
     cns_code code = cns_tc_measure(&cx->problem, &spec, &r, &err);
     int status = cns_report(cx, code, &err, &view, !code || code == CNS_UNREACHED ? &r : NULL);
     if (cx->o->verbose && !status)
@@ -159,7 +226,9 @@ const cns_command cns_command_tc = {
         "rounded to K significant decimals "
         "after every step. The finer run is a Taylor run with more digits, chosen so that its own error "
         "stays far below delta. delta is `laws: delta` of the case, unless --delta gives another. Where "
-        "`laws: observable` names a state, the run ends at its T_c, and no other is printed.\n",
+        "`laws: observable` names a state, the run ends at its T_c, and no other is printed. "
+        "With --sweep the table has a row for every observable and value.\n",
     .options = CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_DELTA, CNS_OPTION_REFERENCE_DIGITS,
-                         CNS_OPTION_MAX_TIME, CNS_OPTION_THREADS, CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
+                         CNS_OPTION_SWEEP, CNS_OPTION_KEEP, CNS_OPTION_MAX_TIME, CNS_OPTION_THREADS,
+                         CNS_OPTION_QUIET, CNS_OPTION_VERBOSE),
 };

@@ -52,7 +52,7 @@ static void limit_time(cns_context *cx)
     const double limit = cx->o->max_time > 0 ? cx->o->max_time : c->max_time;
     if (!(limit > 0))
         return;
-    if (cx->o->command->limits && !c->has_numerics) {
+    if (cx->o->command->limits && cx->o->sweep == NULL && !c->has_numerics) {
         c->goal.max_time = c->goal.max_time > 0 ? fmin(c->goal.max_time, limit) : limit;
     } else {
         cx->monitor.limited = true;
@@ -107,12 +107,13 @@ static void tell_stop(cns_context *cx)
     const char *printed = cx->shown ? "; what was found so far is printed" : "";
     if (cx->what[0] != '\0')
         snprintf(where, sizeof where, " at %.0f %% (%s)", 100 * cx->fraction, cx->what);
-    if (cx->in_parts && cx->o->output != NULL)
+    if (cx->kept != NULL)
         snprintf(kept, sizeof kept, "what is finished is kept in %.300s: the same command goes on from there",
-                 cx->o->output);
+                 cx->kept);
     else
-        snprintf(kept, sizeof kept, "nothing is kept: the same command begins anew%s",
-                 cx->in_parts ? ", with -o DIR it would go on" : "");
+        snprintf(kept, sizeof kept, "nothing is kept: the same command begins anew%s%s%s",
+                 cx->keeper != NULL ? ", with " : "", cx->keeper != NULL ? cx->keeper : "",
+                 cx->keeper != NULL ? " it would go on" : "");
     cns_meter_clear(&cx->meter);
     if (!cx->o->quiet || cns_signal_status() == CNS_UNREACHED) /* who sends a signal knows of it */
         cns_complain(CNS_OK, "stopped by %s%s%s; %s", cns_signal_text(), where, printed, kept);

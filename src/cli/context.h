@@ -18,8 +18,10 @@ typedef struct cns_context {
     double since;    /* cns_seconds() at the beginning */
     double fraction; /* of the work, and in words what was being done, when progress was last told */
     char what[128];
-    bool shown;    /* a result, or what there is of one */
-    bool in_parts; /* the study is made of parts that -o DIR keeps; a command says so */
+    bool shown; /* a result, or what there is of one */
+    const char
+        *keeper;      /* the option that keeps finished parts of the study, as "-o DIR", and the directory; */
+    const char *kept; /* NULL: it has no parts; none is kept */
 } cns_context;
 
 /* How much to open; each includes those before it. */

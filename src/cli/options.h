@@ -26,7 +26,7 @@ typedef struct cns_options {
     /* One member for each name in options.def; the kind of the option says of which type. */
     bool yaml, prove, quiet, help, version; /* FLAG: given? */
     int verbose;                            /* COUNT: how many times */
-    const char *output, *events, *until, *sweep,
+    const char *output, *events, *until, *sweep, *keep, *maxima,
         *observable;                                  /* TEXT; NAME and WRITTEN, not empty; NULL: not given */
     const char *delta;                                /* RATIONAL: a number > 0, no multiple of pi */
     long threads, reference_digits, decimals, digits; /* INTEGER: in its range; 0: not given */

@@ -65,12 +65,18 @@ static void print_times(FILE *out, const cns_case *c)
     cns_time_form_clear(&form);
 }
 
+void cns_table_print_names(FILE *out, const cns_case *c)
+{
+    for (int i = 0; i < c->n_columns; i++)
+        fprintf(out, "%s,", cns_case_column_name(c, i));
+    fprintf(out, "decimals,growth");
+}
+
 static void print_header(const cns_table *t)
 {
     print_times(t->file, t->c);
-    for (int i = 0; i < t->c->n_columns; i++)
-        fprintf(t->file, "%s,", cns_case_column_name(t->c, i));
-    fprintf(t->file, "decimals,growth\n");
+    cns_table_print_names(t->file, t->c);
+    fputc('\n', t->file);
 }
 
 cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err)
@@ -103,14 +109,19 @@ cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err)
     return flush(t, err);
 }
 
+void cns_table_print_row(FILE *out, const cns_case *c, const cns_row *row)
+{
+    for (int i = 0; i < c->n_columns; i++)
+        fprintf(out, "%s,", row->text[i]);
+    if (row->decimals >= 0)
+        fprintf(out, "%ld", row->decimals);
+    double growth = row->growth < 0 && row->growth > -0.0005 ? 0 : row->growth; /* no -0.000 */
+    fprintf(out, ",%.3f\n", growth);
+}
+
 cns_code cns_table_row(cns_table *t, const cns_row *row, cns_error *err)
 {
-    for (int i = 0; i < t->c->n_columns; i++)
-        fprintf(t->file, "%s,", row->text[i]);
-    if (row->decimals >= 0)
-        fprintf(t->file, "%ld", row->decimals);
-    double growth = row->growth < 0 && row->growth > -0.0005 ? 0 : row->growth; /* no -0.000 */
-    fprintf(t->file, ",%.3f\n", growth);
+    cns_table_print_row(t->file, t->c, row);
     t->rows++;
     return flush(t, err);
 }

@@ -23,6 +23,10 @@ cns_table *cns_table_open(const char *path, FILE *out, const cns_case *c, cns_er
 cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err);
 cns_code cns_table_row(cns_table *t, const cns_row *row, cns_error *err);
 
+/* The names of the columns, without an end of the line, and a row, with one. */
+void cns_table_print_names(FILE *out, const cns_case *c);
+void cns_table_print_row(FILE *out, const cns_case *c, const cns_row *row);
+
 /* Ends the table: `# complete`, or `# stopped: REASON` if reason is not NULL. Frees t, whatever the result.
  * *kept as in cns_provenance_close(); NULL for standard output. CNS_IO: it could not be written; CNS_STOPPED:
  * the reader of standard output has gone. */

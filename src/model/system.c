@@ -168,13 +168,14 @@ cns_system *cns_system_parse(const cns_model *model, const cns_setting *settings
     return built(s, code, err);
 }
 
-cns_system *cns_system_with(const cns_system *s, int parameter, const cns_number *value, cns_error *err)
+cns_system *cns_system_with(const cns_system *s, int varied, const cns_number *value, cns_error *err)
 {
+    const int n = s->model->n_parameters;
     cns_system *other = blank(s->model);
-    for (int i = 0; i < s->model->n_parameters; i++)
-        cns_number_set(&other->parameters[i], i == parameter ? value : &s->parameters[i]);
+    for (int i = 0; i < n; i++)
+        cns_number_set(&other->parameters[i], i == varied ? value : &s->parameters[i]);
     for (int i = 0; i < s->model->n_states; i++)
-        cns_number_set(&other->initial[i], &s->initial[i]);
+        cns_number_set(&other->initial[i], n + i == varied ? value : &s->initial[i]);
     set_smooth(other, cns_system_smooth(s));
     return built(other, CNS_OK, err);
 }
@@ -324,7 +325,8 @@ char *cns_system_identity(const cns_system *s, int varied, const char *format, .
         fprintf(out, "parameter %s: %s\n", s->model->parameters[i].name,
                 i == varied ? "varied" : s->parameters[i].text);
     for (int i = 0; i < s->model->n_states; i++)
-        fprintf(out, "state %s: %s, scale %a\n", s->model->states[i].name, s->initial[i].text, s->scales[i]);
+        fprintf(out, "state %s: %s, scale %a\n", s->model->states[i].name,
+                s->model->n_parameters + i == varied ? "varied" : s->initial[i].text, s->scales[i]);
     fprintf(out, "smooth: %s\n", s->is_smooth ? s->smooth.text : "no");
     cns_program_print(s->program, out);
     return cns_text_close(&text, NULL);

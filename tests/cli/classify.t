@@ -110,7 +110,7 @@ $ cns classify -q "$CASES"/flutter.yaml --set parameters.CT=1.2 --sweep I=1.1:1.
 > # override: parameters.CT=1.2
 
 = faults of the command line
-$ cns classify "$CASES"/flutter.yaml --sweep I=2:1:1 || echo $?
+$ cns classify "$CASES"/flutter.yaml --sweep I=1:2:-1 || echo $?
 $ cns classify "$CASES"/flutter.yaml --sweep J=1:2:1 || echo $?
 $ cns classify "$CASES"/flutter.yaml --observable foo || echo $?
 $ cns classify "$CASES"/flutter.yaml --until soon || echo $?
@@ -120,7 +120,7 @@ $ cns classify "$CASES"/flutter.yaml -o there || echo $?
 > 2
 > 2
 > 2
-2> re:--sweep: a sweep goes upwards
+2> re:--sweep: the step -1 leads away from 2
 2> re:--sweep: .*no such parameter
 2> re:--observable: .*no state 'foo'
 2> re:--until takes a time

@@ -43,7 +43,7 @@ $ cat > a.yaml; cns run -q a.yaml | tail -n 2 | cut -d, -f1-2; cns check a.yaml 
 
 = a sweep: its table says how many rows there are
 $ cns classify -q "$CASES"/flutter.yaml --sweep I=1.1:1.2:0.1 --max-time 1e-9 | tail -n 1
-> # stopped: max_time of 1e-09 s, 0 of 2 rows
+> # stopped: max_time of 1e-09 s, 0 of 2 values
 2> re:^cns: stopped by max_time of 1e-09 s
 
 = of two limits the smaller one counts; one that is never reached changes nothing

@@ -48,8 +48,7 @@ typedef struct cns_classify_spec {
     long max_digits; /* that may be used to follow it */
 } cns_classify_spec;
 
-#define CNS_MOTION_EXTREMA 64
-#define CNS_SYMMETRY_NAME  64
+#define CNS_SYMMETRY_NAME 64
 
 /* Texts are decimals, all right, NULL where they do not apply. */
 typedef struct cns_motion {
@@ -71,8 +70,8 @@ typedef struct cns_motion {
     double transient, time;   /* when the late motion begins (chaos: from when on the exponent
                                  was measured); how far it was followed */
     long digits;              /* of the finest run; 0: double */
-    int extrema;              /* maxima of the observable: of a period, or the last ones of chaos */
-    char *maximum[CNS_MOTION_EXTREMA]; /* chaos: six digits of a shadowing trajectory's, a sample */
+    int extrema;              /* maxima of the observable: of a period, or of chaos for some time */
+    char **maximum;           /* chaos: six digits of a shadowing trajectory's, a sample */
 } cns_motion;
 
 /* *motion is to be cleared whatever is returned. That a motion is undecided is a result, not a failure.

@@ -49,6 +49,7 @@ void cns_motion_clear(cns_motion *m)
     free(m->drift);
     for (int i = 0; i < m->extrema; i++)
         free(m->maximum[i]);
+    free(m->maximum);
     memset(m, 0, sizeof *m);
 }
 
@@ -68,7 +69,8 @@ static long repetitions(const cns_return_map *S, const cns_cycle *c)
 /* One period, measured in one arithmetic. */
 typedef struct measures {
     int n; /* period, amplitude, drifts of all states, maxima */
-    mpfr_t value[2 + 2 * CNS_MOTION_EXTREMA];
+    mpfr_t *value;
+    mpfr_prec_t prec;
     int maxima, drift; /* where the drifts begin, how many maxima follow them */
     long winding;
     int image;                    /* of the model, through which the cycle passes; 0: through none */
@@ -79,6 +81,19 @@ static void clear_measures(measures *m)
 {
     for (int i = 0; i < m->n; i++)
         mpfr_clear(m->value[i]);
+    free(m->value);
+}
+
+/* Room for so many values, those that are new being 0. */
+static void make_room(measures *m, int n)
+{
+    if (n <= m->n)
+        return;
+    m->value = cns_xgrow(m->value, (size_t)n, sizeof *m->value);
+    for (; m->n < n; m->n++) {
+        mpfr_init2(m->value[m->n], m->prec);
+        mpfr_set_zero(m->value[m->n], 1);
+    }
 }
 
 static bool is_dynamic(const cns_return_map *S, int state)
@@ -190,12 +205,8 @@ static cns_code measure(const cns_return_map *S, const cns_late *late, const cns
     cns_event_condition *sections = cns_xalloc((size_t)(3 + n_images), sizeof *sections);
     mpfr_t *state = cns_vector_xnew(S->n, prec);
     long turns, seen = 0;
-    *m = (measures){.drift = 2, .n = 2 + S->n, .image_gap = HUGE_VAL};
-    for (int i = 0; i < 2 + 2 * CNS_MOTION_EXTREMA; i++) {
-        mpfr_init2(m->value[i], prec);
-        mpfr_set_zero(m->value[i], 1);
-    }
-    m->n = 2 + 2 * CNS_MOTION_EXTREMA;
+    *m = (measures){.drift = 2, .prec = prec, .image_gap = HUGE_VAL};
+    make_room(m, 2 + S->n);
     mpfr_t low, high, first, last; /* first: the time of the first maximum; last: when to stop looking */
     mpfr_inits2(prec, low, high, first, last, (mpfr_ptr)0);
     mpfr_set_inf(low, 1);
@@ -244,7 +255,8 @@ static cns_code measure(const cns_return_map *S, const cns_late *late, const cns
                     if (!is_dynamic(S, k))
                         mpfr_set(m->value[m->drift + k], at->state[k], MPFR_RNDN);
                 m->winding = S->motion != NULL ? (at->k - turns) / S->motion->turns : 0;
-            } else if (at->condition == 1 && at->direction < 0 && m->maxima < CNS_MOTION_EXTREMA) {
+            } else if (at->condition == 1 && at->direction < 0) {
+                make_room(m, m->drift + S->n + m->maxima + 1);
                 if (m->maxima == 0)
                     mpfr_set(first, at->time, MPFR_RNDN);
                 mpfr_set(m->value[m->drift + S->n + m->maxima++], at->state[S->observable], MPFR_RNDN);
@@ -343,6 +355,7 @@ static cns_code describe(const cns_return_map *S, const cns_late *late, const cn
         }
         motion->descent = agreed(a.value[1], b.value[1], noise);
     }
+    motion->maximum = cns_xalloc((size_t)b.maxima + 1, sizeof *motion->maximum);
     for (int i = 0; i < b.maxima; i++) {
         char *text = agreed(a.value[a.drift + S->n + i], b.value[b.drift + S->n + i], noise);
         if (text != NULL)
@@ -447,13 +460,15 @@ static long more_digits(long digits, const cns_late *late, double horizon)
     return needed > least ? needed : least;
 }
 
+/* Those of the second half of the time. */
 static void list_maxima(const cns_late *late, cns_motion *motion)
 {
-    const int most = (int)(sizeof late->extremum / sizeof *late->extremum);
-    const int n = late->extrema < most ? late->extrema : most;
-    for (int i = 0; i < n; i++) {
+    motion->maximum = cns_xalloc((size_t)late->extrema + 1, sizeof *motion->maximum);
+    for (int i = 0; i < late->extrema; i++) {
         char text[32];
-        snprintf(text, sizeof text, "%.6g", late->extremum[(late->extrema - n + i) % most]);
+        if (late->extremum[i].t < late->time / 2)
+            continue;
+        snprintf(text, sizeof text, "%.6g", late->extremum[i].value);
         motion->maximum[motion->extrema++] = cns_xcopy(text);
     }
 }

@@ -201,6 +201,7 @@ typedef struct follower {
     /* All returns, in double, to tell afterwards when the transient ended. */
     double *all, *times;
     long room;
+    int extrema_room;
 
     int calm;       /* steps in a row with hardly any change */
     double fastest; /* log2 of the largest rate of change since the last return */
@@ -414,6 +415,17 @@ static cns_code end_batch(follower *F, cns_error *err)
     return code;
 }
 
+static void note_maximum(follower *F, const cns_meeting *m)
+{
+    cns_late *late = F->late;
+    if (late->extrema == F->extrema_room) {
+        F->extrema_room = 2 * F->extrema_room + 64;
+        late->extremum = cns_xgrow(late->extremum, (size_t)F->extrema_room, sizeof *late->extremum);
+    }
+    late->extremum[late->extrema].t = mpfr_get_d(m->time, MPFR_RNDN);
+    late->extremum[late->extrema++].value = mpfr_get_d(m->state[F->S->observable], MPFR_RNDN);
+}
+
 static cns_code at_meetings(follower *F, bool *over, cns_error *err)
 {
     cns_late *late = F->late;
@@ -423,9 +435,8 @@ static cns_code at_meetings(follower *F, bool *over, cns_error *err)
     for (int i = 0; i < cns_meetings_count(meetings) && !code && !*over; i++) {
         const cns_meeting *m = cns_meetings_meeting(meetings, i);
         if (m->condition == 1) {
-            const int most = (int)(sizeof late->extremum / sizeof *late->extremum);
             if (m->direction < 0)
-                late->extremum[late->extrema++ % most] = mpfr_get_d(m->state[F->S->observable], MPFR_RNDN);
+                note_maximum(F, m);
             continue;
         }
         if (!cns_return_map_counts(F->S, m, 0))
@@ -499,6 +510,8 @@ void cns_late_clear(cns_late *late)
     cns_vector_free(late->z);
     free(late->rest);
     free(late->moves);
+    free(late->extremum);
+    late->extremum = NULL;
     late->z = NULL;
     late->rest = NULL;
     late->moves = NULL;

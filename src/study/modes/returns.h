@@ -74,9 +74,10 @@ typedef struct cns_late {
     double *rest;
     bool *moves;
 
-    /* CNS_LATE_CHAOS: so many maxima of the observable were met; maximum i is in place i % 64 */
-    int extrema;
-    double extremum[64];
+    int extrema; /* maxima of the observable that were met */
+    struct {
+        double t, value;
+    } * extremum;
 } cns_late;
 
 /* digits 0: double. What looks chaotic is followed to the limit: it may be a transient. With digits > 0 a run

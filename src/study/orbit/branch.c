@@ -584,10 +584,10 @@ static cns_code follow(follower *F, const cns_sweep *sweep, cns_error *err)
         char what[96];
         cns_sweep_value(sweep, i, &p);
         snprintf(what, sizeof what, "%s = %.40s",
-                 cns_system_model(F->l.system)->parameters[sweep->parameter].name, p.text);
+                 cns_system_model(F->l.system)->parameters[sweep->varied].name, p.text);
         cns_monitor_tell(F->monitor, (double)i / n, what);
         code = i == 0 ? begin(F, &p, err) : next_value(F, &before, &p, &end, err);
-        F->l.parameter = sweep->parameter;
+        F->l.parameter = sweep->varied;
         if (!code)
             code = add_row(F, &p, err);
         if (code == CNS_UNREACHED)
@@ -606,10 +606,14 @@ cns_code cns_orbit_follow(const cns_system *s, const cns_orbit_spec *spec, const
 {
     follower F = {.spec = spec, .monitor = monitor};
     cns_number first;
+    *result = NULL;
+    if (sweep->varied >= cns_system_model(s)->n_parameters)
+        return cns_fail(err, CNS_USAGE, "an orbit is followed in a parameter, not in %s",
+                        cns_sweep_name(sweep, cns_system_model(s)).text);
     cns_number_init(&first);
     cns_sweep_value(sweep, 0, &first);
     *result = F.b = cns_xalloc(1, sizeof *F.b);
-    cns_system *at = cns_system_with(s, sweep->parameter, &first, err);
+    cns_system *at = cns_system_with(s, sweep->varied, &first, err);
     cns_code code = at != NULL ? cns_loop_open(&F.l, at, cns_monitor_stop(monitor), err) : err->code;
     if (at != NULL) {
         F.l.parameter_scale = fabs(cns_number_get_d(&sweep->step));
