@@ -15,6 +15,7 @@ enum {
     AROUND = 60,     /* steps around a fold, at most */
     SECANTS = 60,    /* towards a crossing */
     ROUGH_BITS = 30, /* of its place along the chord, before more digits are used */
+    CLEAR_LOG2 = -8, /* the noise times the norm of the inverse, for Kantorovich's condition */
     TESTS = 3
 };
 
@@ -236,48 +237,54 @@ static cns_code bracket(const cns_loop *l, place *x, double ya, double yb, cns_e
     return code;
 }
 
-/* The orbit at the zero, by secants with so many digits: a solver of cns_orbit_prove(). */
+/* The orbit at the zero, by secants with so many digits: a solver of cns_orbit_prove(). What is left of the
+ * way is an error like the noise. Where branches meet the noise grows on the way there, and the best place is
+ * one before. */
 static cns_code solve_place(void *context, const cns_loop *l, long digits, bool fine, const mpfr_t *near,
                             cns_corrected *c, cns_error *err)
 {
     const place *x = context;
     const mpfr_prec_t prec = cns_digits_to_bits(digits);
-    mpfr_t s0, s1, y0, y1, t;
-    double before = HUGE_VAL, step = HUGE_VAL;
+    mpfr_t s[2], y0, y1, t; /* the last two places, and what the test function is there */
+    double error = HUGE_VAL, change = -HUGE_VAL;
     mpfr_t *u = NULL;
+    bool done = false;
     (void)near; /* the two solutions have nothing in common but the chord */
-    mpfr_inits2(prec, s0, s1, y0, y1, t, (mpfr_ptr)0);
-    mpfr_set(s0, x->a, MPFR_RNDN);
-    mpfr_set(s1, x->b, MPFR_RNDN);
-    cns_code code = at_chord(l, x, digits, fine, s0, NULL, c, y0, err);
-    for (int turn = 0; turn < SECANTS && !code; turn++) {
+    mpfr_inits2(prec, s[0], s[1], y0, y1, t, (mpfr_ptr)0);
+    mpfr_set(s[0], x->a, MPFR_RNDN);
+    mpfr_set(s[1], x->b, MPFR_RNDN);
+    cns_code code = at_chord(l, x, digits, fine, s[0], NULL, c, y0, err);
+    for (int turn = 0; turn < SECANTS && !code && !done; turn++) {
         cns_vector_free(u);
         u = c->u;
         c->u = NULL;
         cns_corrected_close(c);
-        code = at_chord(l, x, digits, fine, s1, (const mpfr_t *)u, c, y1, err);
-        if (code || mpfr_equal_p(y0, y1))
+        code = at_chord(l, x, digits, fine, s[1], (const mpfr_t *)u, c, y1, err);
+        if (code)
             break;
-        mpfr_sub(t, s1, s0, MPFR_RNDN);
+        mpfr_sub(t, s[1], s[0], MPFR_RNDN);
         mpfr_mul(t, t, y1, MPFR_RNDN);
         mpfr_sub(y0, y1, y0, MPFR_RNDN);
         mpfr_div(t, t, y0, MPFR_RNDN); /* the step that is left, to be subtracted */
-        step = cns_log2_mpfr(t);
-        const bool least = step < -(double)prec / 2 && step > before - 2; /* it gets no smaller */
-        if (least || step <= c->noise_log2) {
-            c->noise_log2 = fmax(c->noise_log2, step);
-            break;
+        const double step = mpfr_number_p(t) ? cns_log2_mpfr(t) : HUGE_VAL;
+        const double left = fmax(step, c->noise_log2);
+        const bool too_near = left > error || c->inverse_log2 + c->noise_log2 > CLEAR_LOG2;
+        change = fmax(change, c->change_log2);
+        if (too_near) {
+            cns_corrected_close(c);
+            code = at_chord(l, x, digits, fine, s[0], (const mpfr_t *)u, c, y1, err);
         }
-        before = step;
-        mpfr_set(s0, s1, MPFR_RNDN);
+        done = too_near || step <= c->noise_log2;
+        error = too_near ? error : left;
+        mpfr_set(s[0], s[1], MPFR_RNDN);
         mpfr_set(y0, y1, MPFR_RNDN);
-        mpfr_sub(s1, s1, t, MPFR_RNDN);
+        mpfr_sub(s[1], s[1], t, MPFR_RNDN);
     }
+    c->noise_log2 = fmax(c->noise_log2, error);
+    c->change_log2 = fmax(c->change_log2, change);
     cns_vector_free(u);
-    mpfr_clears(s0, s1, y0, y1, t, (mpfr_ptr)0);
-    if (!code && !(step < -(double)prec / 3))
-        code = cns_fail(err, CNS_NUMERIC, "the crossing could not be located");
-    return code;
+    mpfr_clears(s[0], s[1], y0, y1, t, (mpfr_ptr)0);
+    return code || done ? code : cns_fail(err, CNS_NUMERIC, "the crossing could not be located");
 }
 
 static void add_point(follower *F, char *parameter, cns_crossing crossing, cns_orbit *orbit)

@@ -280,18 +280,24 @@ static cns_code evaluate(const cns_loop *l, long digits, bool fine, const cns_ch
     return parameter_column(l, digits, fine, c, e, err);
 }
 
+static cns_code not_isolated(cns_error *err)
+{
+    return cns_fail(err, CNS_UNREACHED,
+                    "the orbit is not isolated: another multiplier than that along it is 1, or the section "
+                    "does not cross it");
+}
+
 /* From e->a and e->r: the step, and what is to be said of the derivative. */
-static cns_code solve(cns_corrected *c, evaluation *e, cns_error *err)
+static cns_code solve(int d, cns_corrected *c, evaluation *e, cns_error *err)
 {
     if (!arb_mat_approx_inv(e->inverse, e->a, e->prec))
-        return cns_fail(err, CNS_UNREACHED,
-                        "the equations are singular: orbits meet there, or the section is no good");
+        return not_isolated(err);
     arb_mat_get_mid(e->inverse, e->inverse);
     arb_mat_mul(e->step, e->inverse, e->r, e->prec);
     arb_mat_get_mid(e->step, e->step);
     const double dimension_log2 = cns_log2_2exp(e->size, 0);
     c->inverse_log2 = size_log2(e->inverse) + dimension_log2;
-    if (e->had && e->step_log2 > -(double)e->prec / 3) {
+    if (e->had && e->step_log2 > -0.6 * (double)e->prec) {
         arb_mat_sub(e->change, e->a, e->before, e->prec);
         c->change_log2 = fmax(c->change_log2, size_log2(e->change) + dimension_log2 - e->step_log2);
     }
@@ -299,10 +305,9 @@ static cns_code solve(cns_corrected *c, evaluation *e, cns_error *err)
     e->had = true;
     c->step_log2 = size_log2(e->step);
     c->noise_log2 = c->inverse_log2 + c->growth_log2 + SLACK_BITS - (double)c->shooting.prec;
-    if (c->inverse_log2 > (double)c->shooting.prec / 2)
-        return cns_fail(err, CNS_UNREACHED,
-                        "the orbit is not isolated: another multiplier than that along it is 1, or the "
-                        "section does not cross it");
+    /* On a chord the way to a point where branches meet is open. */
+    if (e->size == d && c->inverse_log2 > (double)c->shooting.prec / 2)
+        return not_isolated(err);
     return CNS_OK;
 }
 
@@ -335,7 +340,7 @@ cns_code cns_correct(const cns_loop *l, long digits, bool fine, const cns_chord 
     for (;;) {
         code = evaluate(l, digits, fine, chord, c, &e, err);
         if (!code)
-            code = solve(c, &e, err);
+            code = solve(d, c, &e, err);
         if (code == CNS_NUMERIC && c->turns > 0) /* a step of Newton's has gone too far */
             code = cns_fail(err, CNS_UNREACHED, "Newton's method finds no orbit nearby");
         if (code || c->step_log2 <= c->noise_log2 ||

@@ -88,10 +88,12 @@ cns_code cns_orbit_raise(const cns_loop *l, long digits, const mpfr_t *u, cns_co
     long at = CNS_ORBIT_FIRST_DIGITS;
     cns_code code = CNS_OK;
     mpfr_t *better = NULL;
+    double change = -HUGE_VAL;
     while (2 * at < digits && !code) {
         at *= 2;
         code = cns_correct(l, at, false, NULL, better != NULL ? (const mpfr_t *)better : u, c, err);
         mpfr_t *next = c->u;
+        change = fmax(change, c->change_log2);
         c->u = NULL;
         cns_corrected_close(c);
         cns_vector_free(better);
@@ -99,6 +101,7 @@ cns_code cns_orbit_raise(const cns_loop *l, long digits, const mpfr_t *u, cns_co
     }
     if (!code)
         code = cns_correct(l, digits, false, NULL, better != NULL ? (const mpfr_t *)better : u, c, err);
+    c->change_log2 = fmax(c->change_log2, change);
     cns_vector_free(better);
     return code;
 }
@@ -422,7 +425,7 @@ cns_code cns_orbit_prove(const cns_loop *l, const cns_orbit_solver *solver, long
         o->newton = p.coarse.turns;
         o->difference = p.difference_log2 * CNS_LOG10_2;
         o->kantorovich = p.kantorovich_log2 * CNS_LOG10_2;
-        loss += decimals - reached + SPARE;
+        loss += 2 * (decimals - reached) + SPARE; /* where branches meet half of the digits are lost */
     }
     if (!code && reached < 0)
         code = cns_fail(err, CNS_NUMERIC, "not one decimal of the orbit is certain");
