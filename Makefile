@@ -58,7 +58,7 @@ SHARED  := $(B)/libcns.so.$(VERSION)
 PROGRAM := $(B)/cns
 TESTS   := $(B)/cns-tests
 TOOLS   := $(patsubst tools/%.c,$(B)/%,$(TOOL_SOURCES))
-BENCHES := $(B)/bench_engine $(B)/bench_table
+BENCHES := $(B)/bench_engine $(B)/bench_rk4 $(B)/bench_table
 
 prefix     ?= /usr/local
 LDCONFIG   ?= ldconfig
@@ -150,6 +150,7 @@ tools: $(TOOLS)
 # The comparison with heyoka is made where its Python package is there.
 bench: $(BENCHES)
 	$(B)/bench_engine
+	$(B)/bench_rk4
 	@if python3 -c 'import heyoka' 2>/dev/null; then $(B)/bench_table -y tools/bench_heyoka.py; \
 	else $(B)/bench_table; echo 'heyoka is not installed: the comparison with it is left out'; fi
 

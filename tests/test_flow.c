@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "integrate/numerics.h"
+#include "integrate/trajectory.h"
 #include "problem.h"
 
 /* x' = 1, then the states the caller adds. */
@@ -642,6 +643,78 @@ START_TEST(rk4_is_blind_to_kinks)
 }
 END_TEST
 
+static void count_step(void *context, const cns_flow *f)
+{
+    (void)f;
+    ++*(long *)context;
+}
+
+/* One equation with every function that there is, whose values go through zero and through 1. */
+static cns_program *many_functions(const char *smooth)
+{
+    cns_program *p = program_new(3, smooth);
+    cns_node x = cns_state(p, 0), y = cns_state(p, 1), z = cns_state(p, 2), s, c;
+    cns_node one = cns_constant(p, "1"), size = cns_add(p, one, cns_add(p, cns_sqr(p, x), cns_sqr(p, y)));
+    cns_sincos(p, z, &s, &c);
+    cns_derivative(p, 0,
+                   cns_sub(p, cns_mul(p, y, cns_exp(p, cns_neg(p, cns_abs(p, x)))), cns_div(p, s, size)));
+    cns_derivative(p, 1,
+                   cns_add(p, cns_neg(p, cns_mul(p, x, cns_sqrt(p, size))),
+                           cns_mul(p, cns_constant(p, "1/3"), cns_mul(p, c, cns_log(p, size)))));
+    cns_derivative(p, 2, cns_div(p, cns_pow(p, size, cns_constant(p, "1/3")), cns_hypot(p, size, one)));
+    return finished(p);
+}
+
+/* Steps that are skipped are the same steps, also where signs change on the way, and with growth. */
+START_TEST(skipped_steps_change_nothing)
+{
+    static const char *const disk[] = {"0", "0", "1", "0", "0.01", "1"}, *const few[] = {"1", "2", "0.5"},
+                             *const step_text = "1/300", *const checked[] = {"1/2", "1", "17/4", "9", "20"};
+    cns_program *p = _i == 0   ? model_program("apw", NULL)
+                     : _i == 1 ? model_program("apw", "0.1")
+                     : _i == 2 ? model_program("lorenz", NULL)
+                               : many_functions(_i == 3 ? NULL : "1e-3");
+    const int n = cns_program_states(p);
+    cns_number *step = numbers_new(1, &step_text), *initial = numbers_new(n, _i < 2 ? disk : few),
+               *time = numbers_new(5, checked);
+    cns_flow_spec spec = taylor_spec(p, 16);
+    spec.method = CNS_METHOD_RK4;
+    spec.arithmetic = CNS_ARITH_DOUBLE;
+    spec.step = step;
+    long looked = 0;
+    cns_trajectory_spec whole = {.flow = spec, .initial = initial}, each = whole;
+    each.stepped = count_step;
+    each.context = &looked;
+    cns_error err;
+    cns_trajectory *a = cns_trajectory_new(&whole, &err), *b = cns_trajectory_new(&each, &err);
+    cns_sample at_a, at_b;
+    ck_assert(a && b && cns_sample_init(&at_a, p, 53) && cns_sample_init(&at_b, p, 53));
+    for (int k = 0; k < 5; k++) {
+        check_ok(cns_trajectory_at(a, time[k].ratio, &at_a, &err), &err);
+        check_ok(cns_trajectory_at(b, time[k].ratio, &at_b, &err), &err);
+        for (int i = 0; i < n; i++)
+            ck_assert_msg(mpfr_equal_p(at_a.state[i], at_b.state[i]), "state %d at %s", i, checked[k]);
+        ck_assert_double_eq(at_a.growth, at_b.growth);
+        ck_assert_double_eq_tol(at_a.error_log2, at_b.error_log2, 1e-9);
+        ck_assert_int_eq(cns_flow_steps(cns_trajectory_flow(a)), cns_flow_steps(cns_trajectory_flow(b)));
+    }
+    ck_assert_int_eq(looked, 6000);
+    cns_flow *f = flow_new(&spec);
+    cns_flow_start(f, initial);
+    check_ok(cns_flow_step(f, &err), &err); /* from states that are zero nothing is skipped */
+    ck_assert_int_gt(cns_flow_skip(f, 1), 200);
+    cns_flow_free(f);
+    cns_sample_clear(&at_a);
+    cns_sample_clear(&at_b);
+    cns_trajectory_free(a);
+    cns_trajectory_free(b);
+    numbers_free(step, 1);
+    numbers_free(initial, n);
+    numbers_free(time, 5);
+    cns_program_free(p);
+}
+END_TEST
+
 /* Looking does not disturb: the same steps and states, whatever is evaluated in between. */
 START_TEST(output_times_change_nothing)
 {
@@ -980,6 +1053,7 @@ Suite *suite_flow(void)
     tcase_add_test(t, works_at_any_order);
     tcase_add_test(t, rk4_is_of_order_4);
     tcase_add_test(t, rk4_is_blind_to_kinks);
+    tcase_add_loop_test(t, skipped_steps_change_nothing, 0, 5);
     tcase_add_test(t, output_times_change_nothing);
     tcase_add_test(t, dense_output_joins);
     add_table_test(t, singularities_are_errors, singular);

@@ -25,6 +25,7 @@ struct cns_flow {
     cns_jet *check; /* pointwise right-hand side, its constants converted anew at more bits */
     mpfr_t *derivative;
     mpfr_t tolerance, difference;
+    double *bound; /* per state: where it is large, steps are made one by one; NULL: they always are */
 };
 
 enum { TIME_BITS = 128, CHECK_BITS = 96 };
@@ -44,6 +45,19 @@ static const char *refused(const cns_flow_spec *spec)
     if (spec->round_digits > 0 && !multiple)
         return "double cannot keep a number of decimals: take multiple precision";
     return NULL;
+}
+
+/* A state beyond these makes noise of its own (count_size), or runs away. */
+static bool set_bounds(cns_flow *f)
+{
+    f->bound = calloc((size_t)f->n + 1, sizeof *f->bound);
+    for (int i = 0; f->bound && i < f->n; i++) {
+        int scale;
+        frexp(f->spec.scales[i], &scale);
+        f->bound[i] =
+            cns_program_is_dynamic(f->spec.program, i) ? ldexp(1, scale + CNS_USUAL_SIZE_BITS) : HUGE_VAL;
+    }
+    return f->bound != NULL;
 }
 
 cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
@@ -79,6 +93,11 @@ cns_flow *cns_flow_new(const cns_flow_spec *spec, cns_error *err)
     }
     if (spec->step)
         mpq_set(f->step, spec->step->ratio);
+    if (spec->step && f->ops->stride && !set_bounds(f)) {
+        cns_out_of_memory(err);
+        cns_flow_free(f);
+        return NULL;
+    }
     f->stepper = f->ops->create(&f->spec, err);
     if (f->stepper && spec->verify && f->ops->derivative) {
         cns_jet_spec check = {.program = spec->program,
@@ -106,6 +125,7 @@ void cns_flow_free(cns_flow *f)
     cns_vector_free(f->x1);
     cns_vector_free(f->initial);
     cns_vector_free(f->derivative);
+    free(f->bound);
     mpfr_clears(f->t0, f->t1, f->tau, f->last.h, f->tolerance, f->difference, (mpfr_ptr)0);
     mpq_clears(f->grid, f->step, (mpq_ptr)0);
     free(f);
@@ -317,6 +337,55 @@ cns_code cns_flow_step(cns_flow *f, cns_error *err)
     if (!code && f->spec.round_digits > 0)
         round_state(f);
     return code;
+}
+
+/* Where steps of fixed length differ by the rounding of times only: do all of them have the same length at
+ * the precision of the states? It is left in f->tau. */
+static bool is_steady(cns_flow *f)
+{
+    enum { ROUNDING_LOG2 = 150 }; /* of times, relative to a step, and far more */
+    mpfr_t h[3];
+    for (int i = 0; i < 3; i++)
+        mpfr_init2(h[i], i == 2 ? f->spec.prec : mpfr_get_prec(f->tau));
+    mpfr_set_q(h[0], f->step, MPFR_RNDN);
+    mpfr_div_2ui(h[1], h[0], ROUNDING_LOG2, MPFR_RNDN);
+    mpfr_set(h[2], h[0], MPFR_RNDN);
+    bool steady = true;
+    for (int turn = 0; turn < 2; turn++) {
+        mpfr_t near;
+        mpfr_init2(near, f->spec.prec);
+        (turn == 0 ? mpfr_add : mpfr_sub)(near, h[0], h[1], MPFR_RNDN);
+        steady = steady && mpfr_equal_p(near, h[2]);
+        mpfr_clear(near);
+    }
+    mpfr_set(f->tau, h[2], MPFR_RNDN);
+    for (int i = 0; i < 3; i++)
+        mpfr_clear(h[i]);
+    return steady;
+}
+
+long cns_flow_skip(cns_flow *f, double time)
+{
+    enum { AT_ONCE = 1 << 14 };
+    if (!f->bound || !f->spec.step)
+        return 0;
+    const double from = mpfr_get_d(f->t1, MPFR_RNDN), h = cns_number_get_d(f->spec.step),
+                 steps = (time - from) / h * (1 - 1e-12) - 2;
+    if (!(steps >= 1) || !is_steady(f))
+        return 0;
+    const long made =
+        f->ops->stride(f->stepper, f->tau, f->bound, steps < AT_ONCE ? (long)steps : AT_ONCE, f->x1);
+    if (made > 0) {
+        mpq_t moved;
+        mpq_init(moved);
+        mpq_set_si(moved, made, 1);
+        mpq_mul(moved, moved, f->step);
+        mpq_add(f->grid, f->grid, moved);
+        mpfr_set_q(f->t1, f->grid, MPFR_RNDN);
+        mpq_clear(moved);
+        f->steps += made;
+    }
+    return made;
 }
 
 int cns_flow_states(const cns_flow *f)

@@ -366,6 +366,18 @@ cns_code cns_growth_follow(cns_growth *g, cns_flow *f, double noise_log2, cns_er
     return CNS_OK;
 }
 
+double cns_growth_free_until(const cns_growth *g)
+{
+    if (g->d == 0)
+        return HUGE_VAL;
+    return g->expanded && !g->landed ? mpfr_get_d(g->base, MPFR_RNDN) + g->reach * g->unit * (1 - 1e-12) : 0;
+}
+
+void cns_growth_skipped(cns_growth *g, long steps, double noise_log2)
+{
+    g->pending = add_log2(g->pending, 2 * noise_log2 + cns_log2_2exp((double)steps, 0));
+}
+
 /* The largest singular value of a, by power iteration on a^T a. */
 static double spectral_norm(cns_growth *g, const double *a)
 {

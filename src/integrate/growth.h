@@ -20,6 +20,11 @@ void cns_growth_start(cns_growth *g);
 /* After each step of the flow, before the next. noise_log2: log2 of q for this step. */
 cns_code cns_growth_follow(cns_growth *g, cns_flow *f, double noise_log2, cns_error *err);
 
+/* Steps may be left out of cns_growth_follow() as long as they end before cns_growth_free_until() - the next
+ * one after them must not - and their number and noise are told. */
+double cns_growth_free_until(const cns_growth *g);
+void cns_growth_skipped(cns_growth *g, long steps, double noise_log2);
+
 /* At a time within the last step; times must not decrease. *growth is log10 of the largest singular value
  * of Phi(t, 0); *error_log2 is log2 of the root of the trace of C(t), -HUGE_VAL before any noise. */
 cns_code cns_growth_at(cns_growth *g, const mpq_t t, double *growth, double *error_log2, cns_error *err);

@@ -26,6 +26,10 @@ typedef struct cns_method_ops {
     void (*start)(cns_stepper *s);
     /* From x to y, both of one number per state at the flow's precision. */
     cns_code (*step)(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_error *err);
+    /* Up to `most` steps of length h from x, in place, with the same results as `step`, for as long as no
+     * |x_i| reaches bound_i; returns how many it made. Nothing can be asked between them, or of the last one.
+     * NULL: there is nothing faster than `step`. */
+    long (*stride)(cns_stepper *s, const mpfr_t h, const double *bound, long most, mpfr_t *x);
     /* States at tau after the beginning of the last step, 0 <= tau <= h. */
     void (*eval)(cns_stepper *s, const mpfr_t tau, mpfr_t *x);
     /* The same as a polynomial: coefficients 0..*degree of state i in tau/unit, valid until the next call. */

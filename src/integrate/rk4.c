@@ -1,7 +1,9 @@
 /* The classical Runge-Kutta method of order 4, in any arithmetic, with cubic Hermite interpolation. It steps
  * over kinks without noticing, as in Xu, Li, Li, Liao, section 2.2: that is what it is here for. */
+#include <math.h>
 #include <stdlib.h>
 
+#include "arith/straight.h"
 #include "method.h"
 #include "numerics.h"
 
@@ -17,7 +19,10 @@ struct cns_stepper {
     mpfr_t h, a, b;          /* the step; scratch */
     mpfr_t *x, *y, *f0, *f1; /* both ends of the last step, and the slopes there */
     bool have_f1;
-    mpfr_t *cubic; /* the coefficients of one state's interpolation */
+    mpfr_t *cubic;       /* the coefficients of one state's interpolation */
+    cns_arith *straight; /* with the C library's double: the right-hand side for strides; else NULL */
+    bool recorded;
+    double *now, *sum; /* of a stride: the states, and the weighted sum of slopes */
 };
 
 static void destroy(cns_stepper *s)
@@ -30,6 +35,9 @@ static void destroy(cns_stepper *s)
     cns_vector_free(s->f0);
     cns_vector_free(s->f1);
     cns_vector_free(s->cubic);
+    cns_straight_free(s->straight);
+    free(s->now);
+    free(s->sum);
     mpfr_clears(s->h, s->a, s->b, (mpfr_ptr)0);
     free(s);
 }
@@ -55,7 +63,14 @@ static cns_stepper *create(const cns_flow_spec *spec, cns_error *err)
     s->f1 = cns_vector_new(s->n, spec->prec);
     s->cubic = cns_vector_new(CUBIC + 1, spec->prec);
     s->jet = cns_jet_new(&jet, err);
-    if (!s->jet || !s->x || !s->y || !s->f0 || !s->f1 || !s->cubic) {
+    bool complete = s->jet && s->x && s->y && s->f0 && s->f1 && s->cubic;
+    if (complete && jet.ops == &cns_arith_libm) {
+        s->straight = cns_straight_new(cns_jet_series(s->jet));
+        s->now = calloc((size_t)s->n + 1, sizeof *s->now);
+        s->sum = calloc((size_t)s->n + 1, sizeof *s->sum);
+        complete = s->straight && s->now && s->sum;
+    }
+    if (!complete) {
         if (s->jet)
             cns_out_of_memory(err);
         destroy(s);
@@ -145,6 +160,64 @@ static cns_code step(cns_stepper *s, cns_step *step, mpfr_t *x, mpfr_t *y, cns_e
     return CNS_OK;
 }
 
+/* Slopes for the states among the straight code's values, which is recorded anew where a sign has changed. */
+static bool slopes(cns_stepper *s)
+{
+    if (s->recorded && cns_straight_run(s->straight))
+        return true;
+    for (int i = 0; i < s->n; i++) {
+        mpfr_set_d(s->a, cns_straight_values(s->straight)[cns_jet_state_series(s->jet, i)], MPFR_RNDN);
+        cns_jet_set_state(s->jet, i, s->a);
+    }
+    s->recorded = cns_jet_record(s->jet, s->straight);
+    return s->recorded && cns_straight_run(s->straight);
+}
+
+/* As `step`, operation for operation. False: the step is not made. */
+static bool straight_step(cns_stepper *s, double h, const double *bound)
+{
+    const double half_h = h / 2, sixth_h = h / 6;
+    const int n = s->n, slope = cns_jet_series(s->jet);
+    double *const v = cns_straight_values(s->straight), *const x = s->now, *const sum = s->sum;
+    for (int i = 0; i < n; i++)
+        v[i] = x[i];
+    for (int k = 0; k < 4; k++) {
+        if (!slopes(s))
+            return false;
+        const double *f = v + slope;
+        if (k == 0)
+            for (int i = 0; i < n; i++)
+                sum[i] = f[i], v[i] = x[i] + half_h * f[i];
+        else if (k < 3)
+            for (int i = 0; i < n; i++)
+                sum[i] += 2 * f[i], v[i] = x[i] + (k == 1 ? half_h : h) * f[i];
+        else
+            for (int i = 0; i < n; i++)
+                v[i] = x[i] + sixth_h * (sum[i] + f[i]);
+    }
+    for (int i = 0; i < n; i++)
+        if (!(fabs(v[i]) < bound[i]))
+            return false;
+    for (int i = 0; i < n; i++)
+        x[i] = v[i];
+    return true;
+}
+
+static long stride(cns_stepper *s, const mpfr_t h, const double *bound, long most, mpfr_t *x)
+{
+    const double length = mpfr_get_d(h, MPFR_RNDN);
+    long made = 0;
+    if (s->straight == NULL || !isnormal(length / 6))
+        return 0;
+    for (int i = 0; i < s->n; i++)
+        s->now[i] = mpfr_get_d(x[i], MPFR_RNDN);
+    while (made < most && straight_step(s, length, bound))
+        made++;
+    for (int i = 0; i < s->n; i++)
+        mpfr_set_d(x[i], s->now[i], MPFR_RNDN);
+    return made;
+}
+
 /* The slopes at the end of the step, once something inside it is asked for. */
 static void need_f1(cns_stepper *s)
 {
@@ -215,6 +288,7 @@ const cns_method_ops cns_method_rk4 = {
     .bytes = bytes,
     .start = start,
     .step = step,
+    .stride = stride,
     .eval = eval,
     .polynomial = polynomial,
 };

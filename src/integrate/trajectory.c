@@ -19,6 +19,7 @@ struct cns_trajectory {
     cns_jet *outputs;
     mpq_t time;
     bool late;
+    long looked_steps;   /* those made until the last look */
     double looked, left; /* at the last look: the time, and the steps that were left; 0: none before */
 };
 
@@ -114,6 +115,7 @@ void cns_trajectory_start(cns_trajectory *t, const cns_number *initial)
         cns_meetings_start(t->meetings);
     t->told = 0;
     t->looked = t->left = 0;
+    t->looked_steps = 0;
 }
 
 static void evaluate_outputs(cns_trajectory *t, cns_sample *s)
@@ -164,13 +166,15 @@ cns_code cns_trajectory_tell_rest(cns_trajectory *t, cns_error *err)
  * smoothed kink takes (3.3 times the order). At a start beside a singularity steps grow from look to look. */
 static cns_code look_at_pace(cns_trajectory *t, cns_error *err)
 {
-    const long between = 1024 + 4 * (long)t->spec.flow.order;
-    if (t->spec.most_steps == 0 || cns_flow_steps(t->flow) % between != 0)
+    const long least = 1024 + 4 * (long)t->spec.flow.order,
+               between = cns_flow_steps(t->flow) - t->looked_steps;
+    if (t->spec.most_steps == 0 || between < least)
         return CNS_OK;
     const double now = mpfr_get_d(cns_flow_end(t->flow), MPFR_RNDN), passed = now - t->looked,
                  left = (t->spec.end - now) / passed * (double)between;
     const bool is_endless = t->left > t->spec.most_steps && left > t->left / 2;
     t->looked = now;
+    t->looked_steps = cns_flow_steps(t->flow);
     t->left = left;
     if (!is_endless)
         return CNS_OK;
@@ -212,9 +216,23 @@ void cns_trajectory_peek(cns_trajectory *t, const mpq_t time, cns_sample *s)
         evaluate_outputs(t, s);
 }
 
+/* Steps that nobody looks at, on the way to `time`. */
+static void hurry(cns_trajectory *t, const mpq_t time)
+{
+    double until = mpq_get_d(time);
+    if (t->meetings || t->spec.stepped || t->spec.origins)
+        return;
+    if (!t->spec.no_growth)
+        until = fmin(until, cns_growth_free_until(t->growth));
+    const long made = cns_flow_skip(t->flow, until);
+    if (made > 0 && !t->spec.no_growth)
+        cns_growth_skipped(t->growth, made, t->spec.unit_noise ? 0 : -(double)cns_flow_prec(t->flow));
+}
+
 cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, cns_error *err)
 {
     while (mpfr_cmp_q(cns_flow_end(t->flow), time) < 0) {
+        hurry(t, time);
         cns_code code = cns_trajectory_step(t, err);
         if (code)
             return code;

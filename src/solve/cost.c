@@ -394,8 +394,8 @@ cns_code cns_cost_of_numerics(const cns_problem *p, const cns_proof_runs *runs, 
     if (!code && runs->proof)
         code = given_seconds(p, &runs->coarse, runs->coarse_digits, steps_of(p, &runs->coarse), true, &proof,
                              err);
-    if (code)
-        return code;
+    if (code) /* stopped, it says where when it walks */
+        return code == CNS_STOPPED ? CNS_OK : code;
     info->steps = steps;
     info->seconds = cns_monitor_threads(p->monitor) > 1 ? fmax(printed, proof) : printed + proof;
     return CNS_OK;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "arith/straight.h"
 #include "arith/trace.h"
 #include "jet_internal.h"
 
@@ -375,6 +376,25 @@ void cns_jet_composed(cns_jet *J, mpfr_t y, int state, int k)
     else
         J->ops->store_scaled(J->A, scratch, k, J->series[factor]);
     J->ops->get(J->A, y, scratch, k);
+}
+
+bool cns_jet_record(cns_jet *J, cns_arith *straight)
+{
+    cns_error ignored;
+    cns_arith *const A = J->A;
+    const cns_arith_ops *const ops = J->ops;
+    cns_straight_begin(straight, ops, A);
+    J->A = straight;
+    J->ops = &cns_arith_straight;
+    const cns_code code = cns_jet_expand(J, 1, &ignored);
+    J->A = A;
+    J->ops = ops;
+    return !code && !J->singular && cns_straight_compile(straight);
+}
+
+int cns_jet_series(const cns_jet *J)
+{
+    return J->registers_from;
 }
 
 int cns_jet_order(const cns_jet *J)

@@ -104,5 +104,9 @@ const cns_arith_ops *cns_jet_ops(const cns_jet *J);
 cns_arith *cns_jet_arith(const cns_jet *J);
 int cns_jet_state_series(const cns_jet *J, int i);
 int cns_jet_register(const cns_jet *J, int r);
+/* Records such an expansion, through the states that are set, as straight code for others (arith/straight.h):
+ * `straight` has room for all series, cns_jet_series() of them. False: there is no such code here. */
+bool cns_jet_record(cns_jet *J, cns_arith *straight);
+int cns_jet_series(const cns_jet *J); /* how many there are but for the registers */
 
 #endif
