@@ -123,7 +123,7 @@ static int classify(cns_context *cx, const cns_classify_spec *spec, const char *
     found_motion found = {.observable = observable};
     cns_error err = {0};
     cns_code code = cns_classify(cx->system, spec, &cx->monitor, &found.motion, &err);
-    int status = cns_report(cx, code, &err, &view, code ? NULL : &found);
+    int status = cns_report(cx, code, &err, &view, !code || code == CNS_STOPPED ? &found : NULL);
     if (!status && found.motion.mode == CNS_MODE_UNDECIDED)
         status = CNS_UNREACHED;
     cns_motion_clear(&found.motion);
@@ -153,7 +153,9 @@ static void print_row(FILE *out, const char *value, const cns_motion *m)
         fprintf(out, ",%.5g,%.2g,", m->lambda, m->lambda_se);
     else
         fprintf(out, ",,,");
-    fprintf(out, "%.6g,%.6g,", m->transient, m->time);
+    if (m->mode != CNS_MODE_UNDECIDED)
+        fprintf(out, "%.6g", m->transient);
+    fprintf(out, ",%.6g,", m->time);
     cns_sweep_print_last(out, m->note);
 }
 

@@ -7,7 +7,7 @@ $ cns classify -q --yaml "$CASES"/flutter.yaml
 > symmetry: mirror
 > winding: 0
 > returns: 1
-> multiplier: 0.05699
+> multiplier: 0.05695
 > re:^amplitude: 1\.518
 > re:^descent: 0\.584
 > drift:
@@ -59,10 +59,27 @@ $ cat > a.yaml; for r in 350 300; do cns classify -q a.yaml --set parameters.R=$
 | time: {end: 1}
 > period      0.3884875818
 > symmetry    half-turn
-> multiplier  0.8678   of a 
+> multiplier  0.8676   of a 
 > period      0.4198562256
 > symmetry    none
-> multiplier  0.7977   of a 
+> multiplier  0.7975   of a 
+
+= the multiplier, by another route: that of the orbit in many digits
+$ for c in flutter tumble; do cns classify -q --yaml "$CASES"/$c.yaml | sed -n 's/^multiplier: //p' > c
+$ cns orbit -q --yaml "$CASES"/$c.yaml | sed -n '/^multipliers_of_repetition/{n;s/.*re: -*//p}' > o; paste c o; done | awk '{print ($1 > 0 && ($1 - $2) ^ 2 < (0.6e-4 * $1) ^ 2 + 1e-12)}'
+> 1
+> 1
+
+= a cycle that is approached slowly is found: the multiplier at R = 313.5 is 0.998
+$ cat > a.yaml; cns classify -q a.yaml | sed -n '1,3p;6p' | cut -c1-26
+| model: lorenz
+| parameters: {R: 313.5}
+| initial: {x: 1, y: 1, z: 1}
+| time: {end: 1}
+> mode        periodic
+> period      0.4108152414
+> symmetry    half-turn
+> re:^multiplier  0\.998[0-9]   of a 
 
 = chaos that ends is not chaos: below R = 24.06 Lorenz's equations settle, after long chaotic transients
 $ cat > a.yaml; cns classify -q --sweep R=22.5:22.5:1 a.yaml > t; grep -v '^#' t | cut -d, -f1,2,13

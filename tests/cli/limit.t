@@ -12,6 +12,7 @@ $ cns laws -q "$CASES"/laws-smoke.yaml -o kept $limit || echo $?
 > 1
 > 1
 > 1
+> mode        undecided   stopped at t = 0
 > 1
 > 1
 > 1

@@ -74,7 +74,8 @@ typedef struct cns_motion {
     char **maximum;           /* chaos: six digits of a shadowing trajectory's, a sample */
 } cns_motion;
 
-/* *motion is to be cleared whatever is returned. That a motion is undecided is a result, not a failure.
+/* *motion is to be cleared whatever is returned. That a motion is undecided is a result, not a failure;
+ * so it is with CNS_STOPPED, up to then.
  * CNS_NUMERIC: the trajectory runs into a singularity; CNS_STOPPED; CNS_USAGE: less than two dynamic states.
  */
 cns_code cns_classify(const cns_system *s, const cns_classify_spec *spec, const cns_monitor *monitor,

@@ -31,6 +31,7 @@ enum {
 };
 
 static const double sure = 6;        /* standard errors by which an exponent is positive */
+static const double near_log2 = -6;  /* nearer to a cycle than this, returns may approach it */
 static const double same_log2 = -18; /* reduced returns of two runs this near belong to the same cycle */
 
 const char *cns_mode_name(cns_mode mode)
@@ -394,6 +395,28 @@ static cns_code reduce_cycle(const cns_return_map *S, long digits, cns_cycle *c,
     return CNS_OK;
 }
 
+/* The largest distance of two reduced states, in scales. */
+static double distance(const cns_return_map *S, const mpfr_t *a, const mpfr_t *b)
+{
+    double gap = 0;
+    for (int i = 0; i < S->d; i++)
+        gap = fmax(gap,
+                   fabs(mpfr_get_d(a[i], MPFR_RNDN) - mpfr_get_d(b[i], MPFR_RNDN)) / S->scales[S->index[i]]);
+    return gap;
+}
+
+/* Do the last returns of a motion that has not settled come nearer to a cycle, as its multiplier has it? */
+static bool approaches(const cns_return_map *S, const cns_late *late, const cns_cycle *c)
+{
+    const int turns = (late->known - 1) / c->returns;
+    if (turns < 1 || !(c->multiplier < 1))
+        return false;
+    const mpfr_t *z = (const mpfr_t *)late->z, *center = (const mpfr_t *)c->z;
+    const double end = distance(S, z, center), begin = distance(S, z + turns * c->returns * S->d, center),
+                 rate = log(end / begin) / turns, wanted = log(c->multiplier);
+    return end < exp2(near_log2) && rate < 0.5 * wanted && rate > 2 * wanted;
+}
+
 /* The cycle near a late motion, in two precisions; the motion's mode stays undecided where there is none or
  * where it does not attract, or where these digits are too few. */
 static cns_code settle_cycle(const cns_return_map *S, const cns_late *late, long digits,
@@ -417,9 +440,13 @@ static cns_code settle_cycle(const cns_return_map *S, const cns_late *late, long
     if (!code)
         code = cns_cycle_find(S, (const mpfr_t *)coarse.z, coarse.returns, late->direction, fine_digits,
                               &fine, err);
-    if (code == CNS_UNREACHED) {
+    if (code == CNS_UNREACHED && late->kind == CNS_LATE_OPEN) {
+        code = CNS_OK;
+    } else if (code == CNS_UNREACHED) {
         snprintf(motion->note, sizeof motion->note, "returns repeat, but %.200s", err->text);
         code = CNS_OK;
+    } else if (!code && late->kind == CNS_LATE_OPEN && !approaches(S, late, &fine)) {
+        motion->mode = CNS_MODE_UNDECIDED; /* and on the way nowhere yet */
     } else if (!code && !(fine.multiplier < 1)) {
         snprintf(motion->note, sizeof motion->note,
                  "the motion comes near a cycle that does not attract (multiplier %.6g)", fine.multiplier);
@@ -593,15 +620,19 @@ cns_code cns_classify(const cns_system *s, const cns_classify_spec *spec, const 
         } else if (late.kind == CNS_LATE_CYCLE && late.trusted && have_last && same(&S, &last, &late)) {
             code = settle_cycle(&S, &late, digits, &short_of_digits, motion, err);
             done = !short_of_digits;
-        } else if (late.kind == CNS_LATE_OPEN && late.trusted && spec->until == 0 && !patient) {
-            S.limit *= PATIENCE;
-            patient = true;
-            done = false;
-            cns_late_clear(&late);
-            continue;
         } else if (late.kind == CNS_LATE_OPEN && late.trusted) {
-            snprintf(motion->note, sizeof motion->note,
-                     "neither a repetition nor a positive exponent up to t = %.6g", late.time);
+            if (late.known > 0) /* a cycle that it comes nearer to, too slowly to wait for it? */
+                code = settle_cycle(&S, &late, digits, &short_of_digits, motion, err);
+            if (!code && motion->mode == CNS_MODE_UNDECIDED && spec->until == 0 && !patient) {
+                S.limit *= PATIENCE;
+                patient = true;
+                done = false;
+                cns_late_clear(&late);
+                continue;
+            }
+            if (motion->mode == CNS_MODE_UNDECIDED)
+                snprintf(motion->note, sizeof motion->note,
+                         "neither a repetition nor a positive exponent up to t = %.6g", late.time);
         } else {
             done = false;
         }
@@ -622,6 +653,10 @@ cns_code cns_classify(const cns_system *s, const cns_classify_spec *spec, const 
     }
     if (!done && !code)
         snprintf(motion->note, sizeof motion->note, "runs of different precision do not agree");
+    if (code == CNS_STOPPED) {
+        motion->time = fmax(motion->time, late.time);
+        snprintf(motion->note, sizeof motion->note, "stopped at t = %.6g", motion->time);
+    }
     cns_late_clear(&last);
     cns_late_clear(&late);
     cns_return_map_close(&S);

@@ -16,7 +16,7 @@
 enum {
     LIMIT = 60000,      /* steps; a step is some fraction of the time in which the motion changes */
     LEVEL_STEPS = 4000, /* steps after which a level is chosen, from the second half of them */
-    HISTORY = 2 * CNS_MOST_RETURNS,
+    HISTORY = CNS_LATE_RETURNS,
     CALM = 32,         /* steps in a row with hardly any change: steady */
     BATCH_STEPS = 250, /* of the exponent */
     LEAST_BATCHES = 32,
@@ -337,32 +337,61 @@ static void measure_transient(follower *F, int n)
     F->late->transient = F->times[j + 1];
 }
 
+/* The last returns, n of which are, or nearly are, a repetition. */
+static void keep_returns(follower *F, int n)
+{
+    cns_late *late = F->late;
+    const long j = F->count - 1;
+    late->returns = n;
+    late->known = (int)(F->count < HISTORY ? F->count : HISTORY);
+    late->direction = F->direction[j % HISTORY];
+    late->d = F->S->d;
+    late->z = cns_vector_xnew(late->known * late->d, mpfr_get_prec(F->x));
+    for (int k = 0; k < late->known; k++)
+        for (int i = 0; i < late->d; i++)
+            mpfr_set(late->z[k * late->d + i], F->z[(j - k) % HISTORY * late->d + i], MPFR_RNDN);
+}
+
+static double repetition_gap(follower *F, int n)
+{
+    const long j = F->count - 1;
+    return F->direction[j % HISTORY] == F->direction[(j - n) % HISTORY] ? gap_log2(F, j, j - n) : HUGE_VAL;
+}
+
 static bool repeats(follower *F)
 {
     cns_late *late = F->late;
     const long j = F->count - 1;
     int found = 0;
     for (int n = 1; n <= CNS_MOST_RETURNS && n <= j; n++) {
-        const double gap =
-            F->direction[j % HISTORY] == F->direction[(j - n) % HISTORY] ? gap_log2(F, j, j - n) : HUGE_VAL;
-        F->streak[n] = gap < repeat_log2 + fmin(F->fastest, 0) ? F->streak[n] + 1 : 0;
+        F->streak[n] = repetition_gap(F, n) < repeat_log2 + fmin(F->fastest, 0) ? F->streak[n] + 1 : 0;
         if (found == 0 && F->streak[n] >= (n < 2 ? 5 : 2 * n + 2))
             found = n;
     }
     if (found == 0)
         return false;
     late->kind = CNS_LATE_CYCLE;
-    late->returns = found;
-    late->direction = F->direction[j % HISTORY];
     late->cycle_turns = F->turns[j % HISTORY] - F->turns[(j - found) % HISTORY];
     late->cycle_mirrored = F->side[j % HISTORY] != F->side[(j - found) % HISTORY];
-    late->d = F->S->d;
-    late->z = cns_vector_xnew(found * late->d, mpfr_get_prec(F->x));
-    for (int k = 0; k < found; k++)
-        for (int i = 0; i < late->d; i++)
-            mpfr_set(late->z[k * late->d + i], F->z[(j - k) % HISTORY * late->d + i], MPFR_RNDN);
+    keep_returns(F, found);
     measure_transient(F, found);
     return true;
+}
+
+/* What a motion repeats best that has not settled. */
+static void propose(follower *F)
+{
+    int best = 0;
+    double least = HUGE_VAL;
+    for (int n = 1; n <= CNS_MOST_RETURNS && n < F->count; n++)
+        if (repetition_gap(F, n) < least) {
+            least = repetition_gap(F, n);
+            best = n;
+        }
+    if (best == 0)
+        return;
+    keep_returns(F, best);
+    measure_transient(F, best);
 }
 
 /* ln of the growth per time from the end of batch a - 1 to that of batch b - 1. */
@@ -470,6 +499,8 @@ cns_code cns_late_find(const cns_return_map *S, long digits, double horizon, cns
         const bool noisy = late->noise_log2 >= distrust_log2;
         if (S->until > 0 ? late->time >= S->until : steps >= S->limit) {
             late->kind = F.chaos ? CNS_LATE_CHAOS : CNS_LATE_OPEN;
+            if (!F.chaos)
+                propose(&F);
             break;
         }
         if (digits > 0 && noisy && (horizon > 0 ? late->time >= horizon : F.chaos))

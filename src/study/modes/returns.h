@@ -37,7 +37,10 @@ int cns_return_map_sign(const cns_return_map *S, int i, long turns, int directio
 /* Does a meeting with the section count as a return, after one of this direction (0: the first)? */
 bool cns_return_map_counts(const cns_return_map *S, const cns_meeting *m, int before);
 
-enum { CNS_MOST_RETURNS = 32 }; /* in one repetition */
+enum {
+    CNS_MOST_RETURNS = 32, /* in one repetition */
+    CNS_LATE_RETURNS = 2 * CNS_MOST_RETURNS
+};
 
 typedef enum cns_late_kind {
     CNS_LATE_OPEN, /* nothing of the others within the limit */
@@ -63,11 +66,12 @@ typedef struct cns_late {
     bool trusted;        /* to the end */
     double trusted_time; /* the last return at which it was */
 
-    /* CNS_LATE_CYCLE */
-    int returns;   /* in one repetition, symmetries left out */
-    int direction; /* of the angle at z; 1 where reduced states are mirrored */
-    mpfr_t *z;     /* the reduced states of the last `returns` returns, d numbers each, the last one first */
-    long cycle_turns;    /* turns of the angle in one repetition */
+    /* CNS_LATE_CYCLE; CNS_LATE_OPEN with `known` returns: what it repeats best */
+    int returns;      /* in one repetition, symmetries left out */
+    int direction;    /* of the angle at z; 1 where reduced states are mirrored */
+    int known;        /* at least `returns` returns, at most CNS_LATE_RETURNS; 0: none */
+    mpfr_t *z;        /* the reduced states of the last `known` returns, d numbers each, the last one first */
+    long cycle_turns; /* turns of the angle in one repetition */
     bool cycle_mirrored; /* one repetition ends in the mirror image */
 
     /* CNS_LATE_STEADY: the d dynamic states, and which of them are not exactly what they were at t = 0 */
