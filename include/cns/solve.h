@@ -29,10 +29,19 @@ typedef struct cns_column {
     int index; /* of the state or output */
 } cns_column;
 
+/* How decimals are proven. */
+typedef enum cns_proof_kind {
+    CNS_PROOF_TWO_RUNS, /* by a second run of other precision, order and steps, and the measured growth of
+                           noise */
+    CNS_PROOF_ENCLOSURE /* by bounds of the error of the one run, which are theorems; from where on there is
+                           no such bound, by two runs */
+} cns_proof_kind;
+
 typedef struct cns_goal {
     long decimals, significant; /* right ones in every value: one of the two is above 0, the other is 0 */
-    long max_digits;            /* of the printed run; 0: no limit */
-    double max_time;            /* seconds; 0: no limit */
+    cns_proof_kind proof;
+    long max_digits; /* of the printed run; 0: no limit */
+    double max_time; /* seconds; 0: no limit */
 } cns_goal;
 
 #define CNS_PLAN_PARTS 64
@@ -43,7 +52,9 @@ typedef struct cns_run_info {
     long digits;  /* of the printed run; 0: double */
     mpfr_prec_t prec;
     int order;
-    long proof_digits; /* of the coarser run; 0: no proof */
+    bool enclosed;     /* the proof is an enclosure: the following three are 0 */
+    char why_not[256]; /* where an enclosure has ended, and two runs go on: why; else empty */
+    long proof_digits; /* of the coarser run; 0: no proof by two runs */
     mpfr_prec_t proof_prec;
     int proof_order;
     const char *kernel;    /* of the printed run's arithmetic: avx512ifma, portable, mpfr, double */

@@ -99,6 +99,18 @@ typedef struct cns_arith_ops {
 
     size_t (*bytes)(const cns_arith *A); /* of memory that it holds */
 
+    /* What roundings do, for proofs (taylor/defect.h). Let a coefficient w_n be made as recurrences make it:
+     * up to 64 terms are added, and the sum is stored. The terms are made of coefficients as they are stored
+     * at the end of the expansion; the size of a term is the product of the sizes of the series in it, times
+     * its weight; of a series, 2^size_log2 or, where that is NULL, the sum of its coefficients' sizes. Then
+     * what is stored, times the divisor of store_over, differs from the exact result by less than
+     * 2^rounding_log2 times (the sizes of all terms and that of w, times the divisor), also when these
+     * differences are added up over all orders of the expansion, times tau^n, tau <= 2^reach_log2 if
+     * in_steps, else 1. Constants count as what they are, and the functions of order 0 as one rounding more.
+     * The coefficient that set() is given is one of them. */
+    double (*rounding_log2)(const cns_arith *A);
+    long (*size_log2)(const cns_arith *A, int a);
+
     /* Starts a new expansion: time scaled by H > 0 (a machine number, exact), all series forgotten
      * except those given by set() with `keep` true (the constants). */
     void (*begin)(cns_arith *A, double H);
@@ -109,6 +121,10 @@ typedef struct cns_arith_ops {
 
     /* a_k = m * 2^e with 0.5 <= |m| < 1, m rounded to double; m = 0 for zero. */
     double (*get_2exp)(const cns_arith *A, long *e, int a, int k);
+
+    /* The same of a_0 .. a_{n-1} at once, but m only within 2^-100 .. 2^100, or 0, and good to 2^-52 of
+     * itself. */
+    void (*leading)(const cns_arith *A, double *m, long *e, int a, int n);
 
     /* The accumulator, into which a coefficient is summed, and from which it is stored. */
 #define PRIMITIVE(KIND, name, n, ...) void (*name)(cns_arith * A CNS_INTS_##n(__VA_ARGS__));

@@ -68,6 +68,16 @@ static double get_2exp(const cns_arith *A, long *e, int a, int k)
     return m;
 }
 
+static void leading(const cns_arith *A, double *m, long *e, int a, int n)
+{
+    for (int k = 0; k < n; k++) {
+        m[k] = *at(A, a, k);
+        e[k] = 0;
+        if (m[k] != 0 && !(fabs(m[k]) > 0x1p-100 && fabs(m[k]) < 0x1p100))
+            m[k] = get_2exp(A, &e[k], a, k);
+    }
+}
+
 static void zero(cns_arith *A)
 {
     A->acc = 0;
@@ -183,9 +193,16 @@ static void function_libm(cns_arith *A, cns_function f, int w, int w2, int a, in
     }
 }
 
+/* As in MPFR, and functions of the C library are good to a few units of the last place. */
+static double rounding_log2(const cns_arith *A)
+{
+    enum { PRIMITIVES = 64 };
+    return log2(2.0 * (A->spec.order + 2) + 2 * PRIMITIVES) + 1 - 53;
+}
+
 #define EVERYTHING_ELSE                                                                                      \
     .create = create, .destroy = destroy, .bytes = bytes, .begin = begin, .get = get, .set = set,            \
-    .get_2exp = get_2exp, .orders = orders
+    .get_2exp = get_2exp, .leading = leading, .rounding_log2 = rounding_log2, .orders = orders
 #define PRIMITIVE(KIND, name, n, ...) .name = name,
 
 const cns_arith_ops cns_arith_double = {

@@ -178,6 +178,11 @@ static double get_2exp(const cns_arith *A, long *e, int a, int k)
     return cns_fx_get_2exp(A->F, e, a, k);
 }
 
+static void leading(const cns_arith *A, double *m, long *e, int a, int n)
+{
+    cns_fx_leading(A->F, m, e, a, n);
+}
+
 /* A term with this exponent is added to the accumulator. */
 static void at_least(cns_arith *A, long level)
 {
@@ -318,11 +323,35 @@ static double noise_log2(const cns_arith *A)
     return worst == LONG_MIN ? -HUGE_VAL : (double)(worst - F->window + SLACK + order_bits);
 }
 
+/* For proofs. An order n is kept to 2^-52 of its last limb, M = rows(n) limbs, in A_n = a_n 2^(decay n): to
+ * less than 2^(e + 1 - W + (decay - r) n) with r = FX_REACH/8, or 2^(e + 1 - W - r n) in a_n, which is 2^(e +
+ * 1 - W) for all tau up to 2^r (fixed.h). A convolution misses (N + 1)(L + 1) units of that at 2^(e_a + e_b +
+ * 2), and any other primitive one unit of its larger operand or result; a factor, 1/n or a reciprocal, has
+ * two limbs more than the sum that it multiplies. Raising a block exponent takes another unit of the new one
+ * from every coefficient before. With sizes as below, 2^(e + 2) of a series, all are below 2^-W (N + 1)(L +
+ * 2) times the sizes of their terms for each order: 64 primitives, N + 1 orders. */
+static double rounding_log2(const cns_arith *A)
+{
+    enum { PRIMITIVES_LOG2 = 10 };
+    const fx *F = A->F;
+    const double orders = F->order + 1;
+    return PRIMITIVES_LOG2 + log2(orders) * 2 + log2(F->max_limbs + 2) - (double)F->window;
+}
+
+/* |a_k| <= 2^(e - decay k), and tau^k <= 2^(k r): the sum over k is below 2^e / (1 - 2^(r - 1)) < 2.5 2^e. */
+static long size_log2(const cns_arith *A, int a)
+{
+    enum { NOTHING = -(1 << 24) };
+    return A->F->series[a].live ? A->F->series[a].exp + 2 : NOTHING;
+}
+
 const cns_arith_ops cns_arith_fast = {
     .name = "fast",
     .in_steps = true,
     .reach_log2 = FX_REACH / 8.0,
     .noise_log2 = noise_log2,
+    .rounding_log2 = rounding_log2,
+    .size_log2 = size_log2,
     .set_precision = cns_fast_set_precision,
     .set_decay = cns_fast_set_decay,
     .sum = cns_fast_sum,
@@ -334,6 +363,7 @@ const cns_arith_ops cns_arith_fast = {
     .get = get,
     .set = set,
     .get_2exp = get_2exp,
+    .leading = leading,
     .orders = orders,
     .function = function,
 #define PRIMITIVE(KIND, name, n, ...) .name = name,

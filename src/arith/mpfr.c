@@ -1,5 +1,6 @@
 /* MPFR: every single operation correctly rounded to the working precision. The reference arithmetic. */
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include "arith.h"
@@ -72,6 +73,12 @@ static double get_2exp(const cns_arith *A, long *e, int a, int k)
         return mpfr_get_d(x, MPFR_RNDN);
     }
     return mpfr_get_d_2exp(e, x, MPFR_RNDN);
+}
+
+static void leading(const cns_arith *A, double *m, long *e, int a, int n)
+{
+    for (int k = 0; k < n; k++)
+        m[k] = get_2exp(A, &e[k], a, k);
 }
 
 static void zero(cns_arith *A)
@@ -205,6 +212,14 @@ static void function(cns_arith *A, cns_function f, int w, int w2, int a, int b)
     cns_function_mpfr(f, at(A, w, 0), w2 < 0 ? NULL : at(A, w2, 0), at(A, a, 0), b < 0 ? NULL : at(A, b, 0));
 }
 
+/* A term of order n is a sum of up to n + 1 products, each rounded and added: 2 (n + 2) roundings of 2^-prec
+ * relative to the sum of their sizes; then those of the terms' sum and of the store. */
+static double rounding_log2(const cns_arith *A)
+{
+    enum { PRIMITIVES = 64 };
+    return log2(2.0 * (A->spec.order + 2) + 2 * PRIMITIVES) + 1 - (double)A->spec.prec;
+}
+
 const cns_arith_ops cns_arith_mpfr = {
     .name = "mpfr",
     .create = create,
@@ -214,6 +229,8 @@ const cns_arith_ops cns_arith_mpfr = {
     .get = get,
     .set = set,
     .get_2exp = get_2exp,
+    .leading = leading,
+    .rounding_log2 = rounding_log2,
     .function = function,
 #define PRIMITIVE(KIND, name, n, ...) .name = name,
 #include "primitives.def"

@@ -44,8 +44,13 @@ static void print_text(FILE *out, const cns_context *cx, const void *result)
     fprintf(out, "to t = %s with %ld %s:\n", p->end->text,
             goal->significant > 0 ? goal->significant : goal->decimals,
             goal->significant > 0 ? "significant digits" : "decimals");
-    fprintf(out, "digits   %ld, proof with %ld\n", plan->digits, plan->proof_digits);
-    fprintf(out, "order    %d, proof with %d\n", plan->order, plan->proof_order);
+    if (plan->enclosed) {
+        fprintf(out, "digits   %ld, with an enclosure\n", plan->digits);
+        fprintf(out, "order    %d\n", plan->order);
+    } else {
+        fprintf(out, "digits   %ld, proof with %ld\n", plan->digits, plan->proof_digits);
+        fprintf(out, "order    %d, proof with %d\n", plan->order, plan->proof_order);
+    }
     fprintf(out, "growth   10^%.1f, margin 10^%.1f\n", plan->growth, plan->margin);
     fprintf(out, "steps    about %.0f\n", plan->steps);
     fprintf(out, "memory   about %.1f MB\n", plan->memory / 1e6);

@@ -21,7 +21,16 @@ typedef struct run_context {
 
 static void announce(cns_context *cx, const cns_run_info *run)
 {
-    if (run->planned)
+    if (run->planned && run->enclosed)
+        cns_note(
+            cx,
+            "noise will grow to 10^%.1f (margin %.1f): %ld digits, order %d, with an enclosure; about %.0f "
+            "steps, %.1f s",
+            run->growth, run->margin, run->digits, run->order, run->steps, run->seconds);
+    else if (run->attempt > 1 && run->why_not[0] != '\0' && !run->enclosed)
+        cns_note(cx, "%s; from here on by two runs, of %ld digits and %ld", run->why_not, run->digits,
+                 run->proof_digits);
+    else if (run->planned)
         cns_note(
             cx,
             "noise will grow to 10^%.1f (margin %.1f): %ld digits, order %d, proof with %ld digits; about "

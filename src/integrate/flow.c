@@ -461,3 +461,8 @@ mpfr_t *cns_flow_polynomial(cns_flow *f, int state, int *degree, mpfr_t unit)
 {
     return f->ops->polynomial(f->stepper, state, degree, unit);
 }
+
+const cns_jet *cns_flow_expansion(const cns_flow *f, double *H)
+{
+    return f->ops->expansion && f->steps > 0 ? f->ops->expansion(f->stepper, H) : NULL;
+}

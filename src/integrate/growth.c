@@ -378,11 +378,9 @@ void cns_growth_skipped(cns_growth *g, long steps, double noise_log2)
     g->pending = add_log2(g->pending, 2 * noise_log2 + cns_log2_2exp((double)steps, 0));
 }
 
-/* The largest singular value of a, by power iteration on a^T a. */
-static double spectral_norm(cns_growth *g, const double *a)
+double cns_spectral_norm(const double *a, int d, double *scratch)
 {
-    double *v = g->m, *w = g->product, norm = 0;
-    int d = g->d;
+    double *v = scratch, *w = scratch + d, norm = 0;
     for (int i = 0; i < d; i++)
         v[i] = 1 + 0.1 * i;
     for (int turn = 0; turn < 60; turn++) {
@@ -424,7 +422,7 @@ cns_code cns_growth_at(cns_growth *g, const mpq_t t, double *growth, double *err
     double *phi = g->row_phi, *c = g->row_c, trace = 0;
     transport(g, tau, phi, &phi_e, c, &c_e, NULL);
     memcpy(g->row_m, g->m, (size_t)(g->d * g->d) * sizeof *g->m);
-    double norm = spectral_norm(g, phi);
+    double norm = cns_spectral_norm(phi, g->d, g->m);
     for (int i = 0; i < g->d; i++)
         trace += c[i * g->d + i];
     *growth = norm > 0 ? cns_log10_2exp(norm, phi_e) : -HUGE_VAL;

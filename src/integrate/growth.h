@@ -38,4 +38,7 @@ int cns_growth_marks(const cns_growth *g);
 double cns_growth_origin(const cns_growth *g, int origin); /* its time */
 double cns_growth_since(cns_growth *g, int origin);
 
+/* The largest singular value of a, d x d, by power iteration on a^T a; scratch: 2 d numbers. */
+double cns_spectral_norm(const double *a, int d, double *scratch);
+
 #endif

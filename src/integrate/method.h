@@ -37,9 +37,14 @@ typedef struct cns_method_ops {
     /* Derivatives of the states at tau, from the dense output; NULL if the method cannot tell. *tolerance is
      * set to a bound on their error from rounding and truncation. */
     void (*derivative)(cns_stepper *s, const mpfr_t tau, mpfr_t *dx, mpfr_t tolerance);
+    /* The expansion of the last step, in tau = (t - t0)/H; NULL if the method has none. */
+    const cns_jet *(*expansion)(const cns_stepper *s, double *H);
 } cns_method_ops;
 
 extern const cns_method_ops cns_method_taylor;
 extern const cns_method_ops cns_method_rk4;
+
+/* The expansion of a flow's last step; NULL: it has none. */
+const cns_jet *cns_flow_expansion(const cns_flow *f, double *H);
 
 #endif

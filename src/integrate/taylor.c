@@ -575,6 +575,12 @@ static void derivative(cns_stepper *s, const mpfr_t t, mpfr_t *dx, mpfr_t tolera
     mpfr_add(tolerance, tolerance, s->sum, MPFR_RNDU);
 }
 
+static const cns_jet *expansion(const cns_stepper *s, double *H)
+{
+    *H = s->H;
+    return s->jet;
+}
+
 const cns_method_ops cns_method_taylor = {
     .name = "taylor",
     .create = create,
@@ -586,4 +592,5 @@ const cns_method_ops cns_method_taylor = {
     .eval = eval,
     .polynomial = polynomial,
     .derivative = derivative,
+    .expansion = expansion,
 };

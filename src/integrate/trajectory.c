@@ -6,6 +6,7 @@
 #include "core/clock.h"
 #include "method.h"
 #include "numerics.h"
+#include "taylor/ball.h"
 #include "taylor/jet.h"
 
 enum { OUTPUT_ORDER = 4 }; /* from a start with leading zeros, 0/0 needs a few orders */
@@ -17,8 +18,9 @@ struct cns_trajectory {
     cns_meetings *meetings;
     int told; /* of the last step's meetings */
     cns_jet *outputs;
+    cns_tube *tube;
     mpq_t time;
-    bool late;
+    bool late, unbounded;
     long looked_steps;   /* those made until the last look */
     double looked, left; /* at the last look: the time, and the steps that were left; 0: none before */
 };
@@ -29,6 +31,7 @@ bool cns_sample_init(cns_sample *s, const cns_program *p, mpfr_prec_t prec)
     s->n_outputs = cns_program_outputs(p);
     s->state = cns_vector_new(s->n_states, prec);
     s->output = cns_vector_new(s->n_outputs, prec);
+    s->state_error = s->output_error = NULL;
     s->growth = 0;
     s->error_log2 = -HUGE_VAL;
     if (s->state && s->output)
@@ -37,8 +40,19 @@ bool cns_sample_init(cns_sample *s, const cns_program *p, mpfr_prec_t prec)
     return false;
 }
 
+void cns_sample_want_errors(cns_sample *s)
+{
+    s->state_error = _mag_vec_init(s->n_states + 1);
+    s->output_error = _mag_vec_init(s->n_outputs + 1);
+}
+
 void cns_sample_clear(cns_sample *s)
 {
+    if (s->state_error != NULL)
+        _mag_vec_clear(s->state_error, s->n_states + 1);
+    if (s->output_error != NULL)
+        _mag_vec_clear(s->output_error, s->n_outputs + 1);
+    s->state_error = s->output_error = NULL;
     cns_vector_free(s->state);
     cns_vector_free(s->output);
     s->state = s->output = NULL;
@@ -55,6 +69,11 @@ static bool open_followers(cns_trajectory *t, cns_error *err)
     if (!t->spec.no_growth) {
         t->growth = cns_growth_new(flow->program, flow->scales, err);
         if (t->growth == NULL)
+            return false;
+    }
+    if (t->spec.tube) {
+        t->tube = cns_tube_new(flow->program, prec, err);
+        if (t->tube == NULL)
             return false;
     }
     if (t->spec.n_conditions > 0) {
@@ -100,6 +119,7 @@ void cns_trajectory_free(cns_trajectory *t)
         return;
     cns_flow_free(t->flow);
     cns_growth_free(t->growth);
+    cns_tube_free(t->tube);
     cns_meetings_free(t->meetings);
     cns_jet_free(t->outputs);
     mpq_clear(t->time);
@@ -111,11 +131,14 @@ void cns_trajectory_start(cns_trajectory *t, const cns_number *initial)
     cns_flow_start(t->flow, initial);
     if (t->growth)
         cns_growth_start(t->growth);
+    if (t->tube)
+        cns_tube_start(t->tube, t->flow, initial);
     if (t->meetings)
         cns_meetings_start(t->meetings);
     t->told = 0;
     t->looked = t->left = 0;
     t->looked_steps = 0;
+    t->unbounded = false;
 }
 
 static void evaluate_outputs(cns_trajectory *t, cns_sample *s)
@@ -203,6 +226,10 @@ cns_code cns_trajectory_step(cns_trajectory *t, cns_error *err)
         if (!code && t->spec.origins && origin_is_due(t))
             code = cns_growth_mark(t->growth, err);
     }
+    if (!code && t->tube) {
+        code = cns_tube_follow(t->tube, t->flow, err);
+        t->unbounded = code == CNS_NUMERIC || code == CNS_UNREACHED;
+    }
     if (!code && t->meetings)
         code = cns_meetings_follow(t->meetings, t->flow, err);
     t->told = 0;
@@ -220,13 +247,38 @@ void cns_trajectory_peek(cns_trajectory *t, const mpq_t time, cns_sample *s)
 static void hurry(cns_trajectory *t, const mpq_t time)
 {
     double until = mpq_get_d(time);
-    if (t->meetings || t->spec.stepped || t->spec.origins)
+    if (t->meetings || t->tube || t->spec.stepped || t->spec.origins)
         return;
     if (!t->spec.no_growth)
         until = fmin(until, cns_growth_free_until(t->growth));
     const long made = cns_flow_skip(t->flow, until);
     if (made > 0 && !t->spec.no_growth)
         cns_growth_skipped(t->growth, made, t->spec.unit_noise ? 0 : -(double)cns_flow_prec(t->flow));
+}
+
+/* Bounds of the errors of derived quantities: balls over the box of the states, about what was computed. */
+static void bound_outputs(const cns_trajectory *t, cns_sample *s)
+{
+    const slong prec = cns_flow_prec(t->flow) + 64;
+    arb_ptr x = _arb_vec_init(s->n_states), y = _arb_vec_init(s->n_outputs);
+    arb_t computed;
+    arb_init(computed);
+    for (int i = 0; i < s->n_states; i++) {
+        arb_set_interval_mpfr(x + i, s->state[i], s->state[i], prec);
+        arb_add_error_mag(x + i, s->state_error + i);
+    }
+    cns_ball_outputs(t->spec.flow.program, x, y, prec);
+    for (int i = 0; i < s->n_outputs; i++) {
+        if (mpfr_number_p(s->output[i]))
+            arb_set_interval_mpfr(computed, s->output[i], s->output[i], prec);
+        else
+            arb_indeterminate(computed);
+        arb_sub(y + i, y + i, computed, prec);
+        arb_get_mag(s->output_error + i, y + i);
+    }
+    arb_clear(computed);
+    _arb_vec_clear(x, s->n_states);
+    _arb_vec_clear(y, s->n_outputs);
 }
 
 cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, cns_error *err)
@@ -243,6 +295,12 @@ cns_code cns_trajectory_at(cns_trajectory *t, const mpq_t time, cns_sample *s, c
     cns_trajectory_peek(t, time, s);
     s->growth = 0;
     s->error_log2 = -HUGE_VAL;
+    if (t->tube) {
+        cns_tube_at(t->tube, t->flow, time, s->state, s->state_error);
+        s->growth = cns_tube_growth(t->tube, t->flow, time);
+        if (t->outputs)
+            bound_outputs(t, s);
+    }
     return t->spec.no_growth ? CNS_OK : cns_growth_at(t->growth, time, &s->growth, &s->error_log2, err);
 }
 
@@ -264,6 +322,11 @@ void cns_trajectory_leave_growth(cns_trajectory *t)
 const cns_meetings *cns_trajectory_meetings(cns_trajectory *t)
 {
     return t->meetings;
+}
+
+bool cns_trajectory_unbounded(const cns_trajectory *t)
+{
+    return t->unbounded;
 }
 
 bool cns_trajectory_late(const cns_trajectory *t)

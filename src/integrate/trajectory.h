@@ -6,12 +6,14 @@
 #include "cns/events.h"
 #include "cns/flow.h"
 #include "growth.h"
+#include "tube.h"
 
 typedef struct cns_sample {
     int n_states, n_outputs;
     mpfr_t *state, *output; /* an output that is not defined there (0/0) is NaN */
     double growth;          /* log10 of the tangent growth since t = 0 */
     double error_log2;      /* log2 of the error that noise has grown to, in scales; -HUGE_VAL: none */
+    mag_ptr state_error, output_error; /* with a tube: proven bounds of the errors; NULL: not wanted */
 } cns_sample;
 
 typedef struct cns_trajectory cns_trajectory;
@@ -23,8 +25,9 @@ typedef struct cns_trajectory_spec {
     bool origins;              /* follow growth from times spread evenly up to `end`, for planning */
     double most_steps; /* CNS_USAGE once steps show that there will be more up to `end`; 0: no limit */
     bool outputs;      /* compute the program's outputs, too */
-    bool no_growth;    /* do not follow growth: samples have neither growth nor error */
-    bool unit_noise;   /* the noise of every step is 1, in scales, instead of the flow's own */
+    bool tube;       /* prove bounds of the errors as it goes (tube.h); growth is then that of its tangents */
+    bool no_growth;  /* do not follow growth: samples have neither growth nor error */
+    bool unit_noise; /* the noise of every step is 1, in scales, instead of the flow's own */
     void (*stepped)(void *context, const cns_flow *f); /* called after each step; may be NULL */
     void *context;
     double deadline; /* of cns_seconds(); 0: none. After it, CNS_STOPPED, and cns_trajectory_late() */
@@ -61,7 +64,10 @@ cns_growth *cns_trajectory_growth(cns_trajectory *t);           /* NULL: not fol
 const cns_meetings *cns_trajectory_meetings(cns_trajectory *t); /* of the last step; NULL: no conditions */
 bool cns_trajectory_late(const cns_trajectory *t);              /* was the deadline the reason? */
 
+bool cns_trajectory_unbounded(const cns_trajectory *t); /* was the end of the tube the reason? */
+
 bool cns_sample_init(cns_sample *s, const cns_program *p, mpfr_prec_t prec); /* false: out of memory */
+void cns_sample_want_errors(cns_sample *s);                                  /* of a trajectory with a tube */
 void cns_sample_clear(cns_sample *s);
 
 #endif

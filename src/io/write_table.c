@@ -97,9 +97,16 @@ cns_code cns_table_begin(cns_table *t, const cns_run_info *run, cns_error *err)
             ", other steps;\n#   convergence under refinement, measured growth and pointwise derivatives; "
             "not interval arithmetic");
     }
+    if (run->enclosed)
+        fputs("\n# proof: an enclosure: the exact solution from the exact initial values, rounded to the "
+              "places "
+              "shown, is what\n#   is printed; a theorem, as far as this program's enclosures "
+              "(src/integrate/tube.h "
+              "says which files), MPFR, GMP\n#   and FLINT are right",
+              out);
     fputc('\n', out);
     if (!t->begun) {
-        if (!run->proof_prec)
+        if (!run->proof_prec && !run->enclosed)
             fprintf(out, "# UNPROVEN\n");
         fprintf(out, "# kernel: %s\n# libraries: MPFR %s, GMP %s\n", run->kernel, mpfr_get_version(),
                 gmp_version);

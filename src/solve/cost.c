@@ -24,6 +24,9 @@ enum {
 
 static const double measuring_part = 1.0 / 600; /* of the time predicted, for each level of each run */
 
+/* What goes along with a run. */
+typedef enum follower { NOTHING, GROWTH, TUBE } follower;
+
 typedef struct level {
     double digits, step, row; /* seconds */
 } level;
@@ -123,13 +126,14 @@ static double steps_in(const cns_tally *y, int i, const cns_flow_spec *spec, lon
 /* What a step takes, and a row: the evaluation at a time within the last step. The first step of all is not
  * counted: it has more to do. *measured: whether there was anything to measure. A run that fails has been
  * measured up to there; only CNS_STOPPED and CNS_MEMORY are returned. */
-static cns_code measure(const cns_problem *p, const cns_flow_spec *spec, bool growth, double steps, level *l,
-                        bool *measured, double *memory, cns_error *err)
+static cns_code measure(const cns_problem *p, const cns_flow_spec *spec, follower with, double steps,
+                        level *l, bool *measured, double *memory, cns_error *err)
 {
     cns_trajectory_spec of = {.flow = *spec,
                               .initial = cns_system_initial(p->system),
                               .outputs = cns_wants_outputs(p),
-                              .no_growth = !growth};
+                              .tube = with == TUBE,
+                              .no_growth = with != GROWTH};
     cns_error why = {0};
     cns_trajectory *t = cns_trajectory_new(&of, &why);
     cns_code code = t ? CNS_OK : why.code;
@@ -141,6 +145,8 @@ static cns_code measure(const cns_problem *p, const cns_flow_spec *spec, bool gr
     mpq_init(time);
     if (t && !cns_sample_init(&s, cns_system_program(p->system), cns_flow_prec(cns_trajectory_flow(t))))
         code = cns_out_of_memory(&why);
+    if (!code && with == TUBE)
+        cns_sample_want_errors(&s);
     if (!code) {
         cns_flow *f = cns_trajectory_flow(t);
         bool enough = false;
@@ -215,7 +221,7 @@ static cns_flow_spec spec_for(const cns_problem *p, const cns_flow_spec *like, l
 }
 
 /* part[i]: what part i of the time takes; *seconds: their sum. */
-static cns_code run_seconds(const cns_problem *p, const cns_flow_spec *run, long digits, bool growth,
+static cns_code run_seconds(const cns_problem *p, const cns_flow_spec *run, long digits, follower with,
                             const cns_tally *tally, double rows, double *part, double *seconds, double *steps,
                             double *memory, cns_error *err)
 {
@@ -241,7 +247,7 @@ static cns_code run_seconds(const cns_problem *p, const cns_flow_spec *run, long
         cns_flow_spec spec = spec_for(p, run, asked[i]);
         l[levels].digits = (double)asked[i];
         bool measured;
-        cns_code code = measure(p, &spec, growth, *steps, &l[levels], &measured, i == 0 ? &bytes : NULL, err);
+        cns_code code = measure(p, &spec, with, *steps, &l[levels], &measured, i == 0 ? &bytes : NULL, err);
         if (code)
             return code;
         levels += measured;
@@ -258,17 +264,17 @@ static cns_code run_seconds(const cns_problem *p, const cns_flow_spec *run, long
     return CNS_OK;
 }
 
-cns_code cns_cost_predict(const cns_problem *p, const cns_flow_spec *fine, const cns_flow_spec *coarse,
-                          const cns_tally *tally, cns_run_info *plan, cns_error *err)
+cns_code cns_cost_predict(const cns_problem *p, const cns_proof_runs *runs, const cns_tally *tally,
+                          cns_run_info *plan, cns_error *err)
 {
     const double rows = cns_number_get_d(p->end) / cns_number_get_d(cns_every(p));
     double in_printed[CNS_PLAN_PARTS] = {0}, in_proof[CNS_PLAN_PARTS] = {0};
-    double printed, proof, ignored, memory = PROGRAM_BYTES, sum = 0;
-    cns_code code = run_seconds(p, fine, plan->digits, false, tally, rows, in_printed, &printed, &plan->steps,
-                                &memory, err);
-    if (!code)
-        code = run_seconds(p, coarse, plan->proof_digits, true, tally, rows, in_proof, &proof, &ignored,
-                           &memory, err);
+    double printed, proof = 0, ignored, memory = PROGRAM_BYTES, sum = 0;
+    cns_code code = run_seconds(p, &runs->fine, plan->digits, runs->enclosed ? TUBE : NOTHING, tally, rows,
+                                in_printed, &printed, &plan->steps, &memory, err);
+    if (!code && runs->proof)
+        code = run_seconds(p, &runs->coarse, plan->proof_digits, GROWTH, tally, rows, in_proof, &proof,
+                           &ignored, &memory, err);
     if (code)
         return code;
     plan->seconds = cns_monitor_threads(p->monitor) > 1 ? fmax(printed, proof) : printed + proof;
@@ -357,7 +363,7 @@ static cns_flow_spec with_digits(const cns_flow_spec *run, long digits)
 }
 
 static cns_code given_seconds(const cns_problem *p, const cns_flow_spec *run, long digits, double steps,
-                              bool growth, double *seconds, cns_error *err)
+                              follower with, double *seconds, cns_error *err)
 {
     const double rows = cns_number_get_d(p->end) / cns_number_get_d(cns_every(p));
     const long asked[] = {MOST_MEASURED * 7 / 10, MOST_MEASURED};
@@ -367,7 +373,7 @@ static cns_code given_seconds(const cns_problem *p, const cns_flow_spec *run, lo
         const cns_flow_spec spec = with_digits(run, asked[i]);
         bool measured;
         l[levels].digits = (double)(digits > MOST_MEASURED ? asked[i] : digits);
-        const cns_code code = measure(p, &spec, growth, steps, &l[levels], &measured, NULL, err);
+        const cns_code code = measure(p, &spec, with, steps, &l[levels], &measured, NULL, err);
         if (code)
             return code;
         levels += measured;
@@ -390,10 +396,11 @@ cns_code cns_cost_of_numerics(const cns_problem *p, const cns_proof_runs *runs, 
         return too_many(p, &runs->fine, steps, err);
     if (steps <= 0)
         return CNS_OK;
-    cns_code code = given_seconds(p, &runs->fine, runs->fine_digits, steps, !runs->proof, &printed, err);
+    cns_code code = given_seconds(p, &runs->fine, runs->fine_digits, steps, runs->proof ? NOTHING : GROWTH,
+                                  &printed, err);
     if (!code && runs->proof)
-        code = given_seconds(p, &runs->coarse, runs->coarse_digits, steps_of(p, &runs->coarse), true, &proof,
-                             err);
+        code = given_seconds(p, &runs->coarse, runs->coarse_digits, steps_of(p, &runs->coarse), GROWTH,
+                             &proof, err);
     if (code) /* stopped, it says where when it walks */
         return code == CNS_STOPPED ? CNS_OK : code;
     info->steps = steps;

@@ -34,8 +34,8 @@ void cns_tally_step(void *tally, const cns_flow *f); /* after each step; as cns_
  * at the digits that its schedule has first, last and in between, and what they take is summed over the
  * schedule; that itself takes about a hundredth of the time predicted. The seconds are those of a machine
  * with nothing else to do. CNS_STOPPED, CNS_MEMORY: there is no prediction. */
-cns_code cns_cost_predict(const cns_problem *p, const cns_flow_spec *fine, const cns_flow_spec *coarse,
-                          const cns_tally *tally, cns_run_info *plan, cns_error *err);
+cns_code cns_cost_predict(const cns_problem *p, const cns_proof_runs *runs, const cns_tally *tally,
+                          cns_run_info *plan, cns_error *err);
 
 /* The same for the run, or the two of a proof, that given numerics ask for: steps and seconds of *info. Steps
  * that are not fixed are predicted from the beginning of a preliminary run; where that fails there is no

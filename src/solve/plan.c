@@ -239,15 +239,21 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         if (schedule->digits[0] < digits)
             schedule->digits[0] = digits;
         digits = schedule->digits[0];
-        plan->proof_digits = digits;
-        plan->digits = digits + CNS_ANOTHER_LIMB;
+        plan->enclosed = goal->proof == CNS_PROOF_ENCLOSURE && p->n_conditions == 0;
         cns_proof_runs runs;
-        cns_proof_of_goal(&runs, p, plan->digits, schedule);
+        if (plan->enclosed) {
+            plan->digits = digits;
+            cns_proof_enclosed(&runs, p, plan->digits, schedule);
+        } else {
+            plan->proof_digits = digits;
+            plan->digits = digits + CNS_ANOTHER_LIMB;
+            cns_proof_of_goal(&runs, p, plan->digits, schedule);
+        }
         plan->prec = runs.fine.prec;
         plan->order = runs.fine.order;
         plan->proof_prec = runs.coarse.prec;
         plan->proof_order = runs.coarse.order;
-        code = cns_cost_predict(p, &runs.fine, &runs.coarse, &tally, plan, err);
+        code = cns_cost_predict(p, &runs, &tally, plan, err);
         cns_proof_runs_clear(&runs);
         plan->seconds += cns_thread_seconds() - since;
         if (!code) /* what was measured until the stop tells nothing */

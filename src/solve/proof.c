@@ -35,6 +35,16 @@ void cns_proof_of_goal(cns_proof_runs *r, const cns_problem *p, long digits, con
     r->fine.schedule_shift = r->coarse.schedule_shift + CNS_ANOTHER_LIMB;
 }
 
+void cns_proof_enclosed(cns_proof_runs *r, const cns_problem *p, long digits, const cns_schedule *schedule)
+{
+    *r = (cns_proof_runs){.enclosed = true, .fine_digits = digits};
+    cns_number_init(&r->half_step);
+    r->fine = taylor(p, digits);
+    r->fine.verify = false; /* the defect is bounded */
+    r->fine.schedule = schedule;
+    r->fine.schedule_shift = digits - schedule->digits[0];
+}
+
 void cns_proof_of_numerics(cns_proof_runs *r, const cns_problem *p, const cns_numerics *n, bool proof)
 {
     *r = (cns_proof_runs){.proof = proof, .fine_digits = n->digits};

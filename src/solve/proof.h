@@ -30,7 +30,8 @@ enum {
 
 /* The two runs of a proof, or, without one, the one run that is printed. */
 typedef struct cns_proof_runs {
-    bool proof;
+    bool proof;                      /* by the coarser run */
+    bool enclosed;                   /* by an enclosure: fine is all there is */
     cns_flow_spec fine, coarse;      /* without a proof, fine is all there is, as given */
     long fine_digits, coarse_digits; /* 0: double; none */
     cns_number half_step;            /* of the finer run, where the step is given */
@@ -39,6 +40,9 @@ typedef struct cns_proof_runs {
 /* Of a goal: the finer run has so many digits. schedule: by time, of the coarser run; it is shifted such that
  * its first part has the coarser run's digits. */
 void cns_proof_of_goal(cns_proof_runs *r, const cns_problem *p, long digits, const cns_schedule *schedule);
+/* The run of so many digits that proves its goal by an enclosure. The schedule is that of its digits, shifted
+ * such that its first part has these. */
+void cns_proof_enclosed(cns_proof_runs *r, const cns_problem *p, long digits, const cns_schedule *schedule);
 /* Of given numerics. With a proof they describe the coarser run. The finer one has more digits; a Taylor run
  * also another order and shorter steps, a Runge-Kutta run half the step. */
 void cns_proof_of_numerics(cns_proof_runs *r, const cns_problem *p, const cns_numerics *n, bool proof);

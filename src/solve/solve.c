@@ -38,7 +38,8 @@ typedef struct walk {
     bool explain;        /* compare the difference with noise times growth */
     mpq_t time;
     cns_time_form times;
-    mpfr_t error; /* e */
+    bool enclosed, proof; /* by an enclosure; by that or by the coarser run */
+    mpfr_t *error;        /* per column, and the largest: e */
     char **text;
     cns_bounded *value;           /* scratch, of columns */
     bool *constant, *zero_output; /* what never changes (cns/system.h) */
@@ -73,29 +74,62 @@ typedef struct demand {
     double tie_time;
 } demand;
 
-/* Both runs to w->time; w->error becomes e. */
-static cns_code walk_to(walk *w, cns_error *err)
+/* e of an enclosure: of each column its own. */
+static void take_errors(walk *w)
 {
-    cns_code code = cns_trajectory_at(w->fine, w->time, &w->s, err);
-    if (code || !w->coarse)
-        return code;
-    code = cns_ahead_next(w->coarse, &w->c, &w->found_again, err);
-    if (!code && w->explain)
-        code = cns_proof_explained(w->p, &w->s, w->c, mpq_get_d(w->time), err);
-    if (code)
-        return code;
-    const double noise = w->c->error_log2;
+    const int columns = cns_columns(w->p);
+    arf_t y;
+    arf_init(y);
+    mpfr_set_zero(w->error[columns], 1);
+    for (int i = 0; i < columns; i++) {
+        const cns_column c = cns_column_at(w->p, i);
+        mpfr_set_zero(w->error[i], 1);
+        if (c.kind == CNS_COLUMN_TIME)
+            continue;
+        arf_set_mag(y, (c.kind == CNS_COLUMN_STATE ? w->s.state_error : w->s.output_error) + c.index);
+        arf_get_mpfr(w->error[i], y, MPFR_RNDU);
+        mpfr_max(w->error[columns], w->error[columns], w->error[i], MPFR_RNDN);
+    }
+    arf_clear(y);
+}
+
+/* What is zero for ever, by the equations. */
+static void set_zeros(walk *w)
+{
     for (int i = 0; i < w->s.n_states; i++)
         if (w->constant[i] && cns_number_sign(&cns_system_initial(w->p->system)[i]) == 0)
             mpfr_set_zero(w->s.state[i], 1);
     for (int i = 0; i < w->s.n_outputs; i++)
         if (w->zero_output[i])
             mpfr_set_zero(w->s.output[i], 1);
-    mpfr_set_zero(w->error, 1);
+}
+
+/* The runs to w->time; w->error becomes e. */
+static cns_code walk_to(walk *w, cns_error *err)
+{
+    cns_code code = cns_trajectory_at(w->fine, w->time, &w->s, err);
+    if (code || !w->proof)
+        return code;
+    if (w->enclosed) {
+        set_zeros(w);
+        take_errors(w);
+        return CNS_OK;
+    }
+    code = cns_ahead_next(w->coarse, &w->c, &w->found_again, err);
+    if (!code && w->explain)
+        code = cns_proof_explained(w->p, &w->s, w->c, mpq_get_d(w->time), err);
+    if (code)
+        return code;
+    const double noise = w->c->error_log2;
+    mpfr_ptr e = w->error[cns_columns(w->p)];
+    set_zeros(w);
+    mpfr_set_zero(e, 1);
     for (int i = 0; i < w->s.n_states; i++)
-        cns_proof_error(w->error, w->s.state[i], w->c->state[i], noise);
+        cns_proof_error(e, w->s.state[i], w->c->state[i], noise);
     for (int i = 0; i < w->s.n_outputs && cns_wants_outputs(w->p); i++)
-        cns_proof_error(w->error, w->s.output[i], w->c->output[i], noise);
+        cns_proof_error(e, w->s.output[i], w->c->output[i], noise);
+    for (int i = 0; i < cns_columns(w->p); i++)
+        mpfr_set(w->error[i], e, MPFR_RNDU);
     return CNS_OK;
 }
 
@@ -111,8 +145,8 @@ static bool is_exact(const walk *w, int column)
 {
     const cns_column c = cns_column_at(w->p, column);
     if (c.kind != CNS_COLUMN_STATE)
-        return w->coarse && w->zero_output[c.index];
-    return mpq_sgn(w->time) == 0 || (w->coarse && w->constant[c.index]) ||
+        return w->proof && w->zero_output[c.index];
+    return mpq_sgn(w->time) == 0 || (w->proof && w->constant[c.index]) ||
            (w->coarse && mpfr_zero_p(w->s.state[c.index]) && mpfr_zero_p(w->c->state[c.index]));
 }
 
@@ -120,9 +154,9 @@ static bool is_exact(const walk *w, int column)
  * next to a tie of rounding, or to zero, which has no significant digits. */
 static bool has_room(const walk *w, int column, cns_places places, long most)
 {
-    const double error = cns_log2_mpfr(w->error) * CNS_LOG10_2, spare = 2;
+    const double error = cns_log2_mpfr(w->error[column]) * CNS_LOG10_2, spare = 2;
     double have = -error;
-    if (places == CNS_PLACES_SIGNIFICANT && mpfr_cmpabs(value(w, column), w->error) > 0) {
+    if (places == CNS_PLACES_SIGNIFICANT && mpfr_cmpabs(value(w, column), w->error[column]) > 0) {
         mpfr_t x;
         mpfr_init2(x, ERROR_BITS);
         mpfr_abs(x, value(w, column), MPFR_RNDN);
@@ -142,8 +176,8 @@ static long proven_places(walk *w, demand *d, long most, int *tie)
         w->own[i] = -1;
         if (cns_column_at(w->p, i).kind == CNS_COLUMN_TIME || is_exact(w, i))
             continue;
-        w->value[n] = (cns_bounded){value(w, i), w->error};
-        if (d->tied == NULL || cns_text_certain(value(w, i), w->error, d->places, most) ||
+        w->value[n] = (cns_bounded){value(w, i), w->error[i]};
+        if (d->tied == NULL || cns_text_certain(value(w, i), w->error[i], d->places, most) ||
             !has_room(w, i, d->places, most)) {
             n++;
             continue;
@@ -228,13 +262,13 @@ static cns_code emit(walk *w, cns_places places, long count, cns_result *result,
     cns_row out = {.text = w->text,
                    .decimals = as_decimals(w, places, count),
                    .growth = w->coarse ? w->c->growth : w->s.growth};
-    for (int i = 0; i < cns_columns(w->p) && w->coarse; i++) {
+    for (int i = 0; i < cns_columns(w->p) && w->proof; i++) {
         if (w->own[i] < 0)
             continue;
         const long own = w->own_decimals[i] ? w->own[i] : as_decimals(w, places, w->own[i]);
         out.decimals = own < out.decimals ? own : out.decimals;
     }
-    if (w->coarse && (result->rows == 0 || out.decimals < result->decimals))
+    if (w->proof && (result->rows == 0 || out.decimals < result->decimals))
         result->decimals = out.decimals;
     result->rows++;
     result->end = mpq_get_d(w->time);
@@ -265,6 +299,7 @@ static void describe(cns_run_info *info, const cns_proof_runs *runs)
     info->digits = runs->fine_digits;
     info->prec = runs->fine.prec;
     info->order = runs->fine.order;
+    info->enclosed = runs->enclosed;
     info->proof_digits = runs->coarse_digits;
     info->proof_prec = runs->coarse.prec;
     info->proof_order = runs->coarse.order;
@@ -281,7 +316,9 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
     cns_trajectory_spec spec = {.flow = runs->fine,
                                 .initial = cns_system_initial(p->system),
                                 .outputs = cns_wants_outputs(p),
-                                .no_growth = runs->proof, /* the coarser run tells */
+                                .tube = runs->enclosed,
+                                .no_growth =
+                                    runs->proof || runs->enclosed, /* the coarser run or the tube tells */
                                 .conditions = p->conditions,
                                 .n_conditions = p->n_conditions,
                                 .met = cns_found_add,
@@ -290,11 +327,13 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
                                 .most_steps = cns_most_steps(p, max_time),
                                 .deadline = max_time > 0 ? since + max_time : 0};
     *w = (walk){.p = p,
+                .enclosed = runs->enclosed,
+                .proof = runs->enclosed || runs->proof,
                 .explain = runs->proof && runs->coarse.method == CNS_METHOD_TAYLOR,
                 .digits = runs->fine.arithmetic == CNS_ARITH_DOUBLE ? DOUBLE_PRINTED : runs->fine_digits};
     mpq_inits(w->time, w->before, (mpq_ptr)0);
     cns_time_form_init(&w->times, cns_every(p), p->end);
-    mpfr_init2(w->error, ERROR_BITS);
+    w->error = cns_vector_xnew(cns_columns(p) + 1, ERROR_BITS);
     w->found.n_states = cns_program_states(cns_system_program(p->system));
     result->events_end = (cns_error){0};
     w->text = cns_xalloc((size_t)cns_columns(p) + 1, sizeof *w->text);
@@ -310,10 +349,14 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
         return err->code;
     if (!cns_sample_init(&w->s, cns_system_program(p->system), runs->fine.prec))
         return cns_out_of_memory(err);
-    if (runs->proof) {
+    if (runs->enclosed)
+        cns_sample_want_errors(&w->s);
+    if (w->proof) {
         const cns_code code = cns_system_constants(p->system, w->constant, w->zero_output, err);
         if (code)
             return code;
+    }
+    if (runs->proof) {
         spec.flow = runs->coarse;
         spec.no_growth = false;
         w->coarse = cns_ahead_new(p, &spec, first_row, cns_monitor_threads(p->monitor) > 1, err);
@@ -336,7 +379,7 @@ static void walk_close(walk *w, cns_result *result)
     cns_found_clear(&w->found_again);
     mpq_clears(w->time, w->before, (mpq_ptr)0);
     cns_time_form_clear(&w->times);
-    mpfr_clear(w->error);
+    cns_vector_free(w->error);
     for (int i = 0; i < cns_columns(w->p); i++)
         free(w->text[i]);
     free(w->text);
@@ -458,13 +501,14 @@ static cns_code go(walk *w, demand *d, cns_result *result, cns_error *err)
             code = tell_events(w, d, result, err);
         if (code || d->missing > 0)
             return code;
-        if (w->coarse) {
+        if (w->proof) {
             int tie;
             places = proven_places(w, d, d->count, &tie);
             const bool fresh = tie >= 0 && is_fresh_tie(w, d);
             if (fresh && falls_short(d, (item){d->row, -1}, 1))
                 return CNS_OK;
-            const double missing = missing_places(d, places, cns_log2_mpfr(w->error) * CNS_LOG10_2);
+            const double missing =
+                missing_places(d, places, cns_log2_mpfr(w->error[cns_columns(p)]) * CNS_LOG10_2);
             if (places < d->count && falls_short(d, (item){d->row, -1}, missing))
                 return CNS_OK;
             if (places < 0)
@@ -482,19 +526,23 @@ static cns_code go(walk *w, demand *d, cns_result *result, cns_error *err)
     return code;
 }
 
-/* One attempt at a goal, from row d->row on. */
+/* One attempt at a goal, from row d->row on. *unbounded: an enclosure has ended, and err says why. */
 static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_schedule *schedule, demand *d,
-                        double since, cns_result *result, cns_error *err)
+                        double since, cns_result *result, bool *unbounded, cns_error *err)
 {
     cns_proof_runs runs;
     walk w;
-    cns_proof_of_goal(&runs, p, result->run.digits, schedule);
+    if (result->run.enclosed)
+        cns_proof_enclosed(&runs, p, result->run.digits, schedule);
+    else
+        cns_proof_of_goal(&runs, p, result->run.digits, schedule);
     cns_code code = walk_open(&w, p, &runs, d->row, since, goal->max_time, result, err);
     if (!code)
         code = go(&w, d, result, err);
-    if (code == CNS_STOPPED && (cns_trajectory_late(w.fine) || cns_ahead_late(w.coarse)))
+    if (code == CNS_STOPPED && (cns_trajectory_late(w.fine) || (w.coarse && cns_ahead_late(w.coarse))))
         code = cns_fail(err, CNS_UNREACHED, "max_time of %g s is used up at t = %.12g", goal->max_time,
                         mpfr_get_d(cns_flow_end(cns_trajectory_flow(w.fine)), MPFR_RNDN));
+    *unbounded = code && w.fine && cns_trajectory_unbounded(w.fine);
     d->passed = w.told > d->passed ? w.told : d->passed;
     walk_close(&w, result);
     cns_proof_runs_clear(&runs);
@@ -532,7 +580,7 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
     const double since = cns_seconds();
     const long most = goal->max_digits > 0 ? goal->max_digits : LONG_MAX;
     int stuck = 0;
-    bool doubted = false;
+    bool doubted = false, unbounded;
     long digits[CNS_PLAN_PARTS];
     cns_schedule schedule = {.digits = digits};
     demand d = {.places = cns_goal_places(goal),
@@ -545,7 +593,21 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
         d.raise = result->run.digits < most && result->run.attempt <= RAISES;
         if (result->run.digits > most)
             result->run.digits = most > CNS_LEAST_PROOF_DIGITS ? most : CNS_LEAST_PROOF_DIGITS;
-        code = attempt(p, goal, &schedule, &d, since, result, err);
+        code = attempt(p, goal, &schedule, &d, since, result, &unbounded, err);
+        if (unbounded && (code == CNS_NUMERIC || !d.raise || result->run.attempt > 2)) {
+            /* No enclosure goes further: two runs do. */
+            snprintf(result->run.why_not, sizeof result->run.why_not, "%.255s", err->text);
+            result->run.enclosed = result->run.planned = false;
+            result->run.attempt++;
+            result->run.digits += CNS_ANOTHER_LIMB;
+            code = CNS_OK;
+            continue;
+        }
+        if (unbounded) { /* the bound has grown too large: more digits */
+            code = CNS_OK;
+            d.now = (item){d.row, -1};
+            d.missing = 10 + (double)result->run.digits / 2;
+        }
         if (code == CNS_NUMERIC && !doubted && d.raise) {
             /* Digits lost in the problem itself can look like an error, or like a singularity: ask again with
              * more before saying so. */

@@ -12,4 +12,8 @@ void cns_ball_number(arb_t y, const cns_number *x, slong prec);
  * its tangent encloses both. p is finished. CNS_NUMERIC: not defined everywhere in the box. */
 cns_code cns_ball_derivatives(const cns_program *p, arb_srcptr x, arb_ptr f, slong prec, cns_error *err);
 
+/* y[i] encloses derived quantity i at every point of the box; not finite where it is not defined everywhere.
+ */
+void cns_ball_outputs(const cns_program *p, arb_srcptr x, arb_ptr y, slong prec);
+
 #endif

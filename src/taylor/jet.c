@@ -412,6 +412,29 @@ double cns_jet_coefficient_2exp(const cns_jet *J, long *e, int state, int k)
     return J->ops->get_2exp(J->A, e, J->state_series[state], k);
 }
 
+void cns_jet_sum(const cns_jet *J, mpfr_t y, int state, const mpfr_t tau)
+{
+    enum { MORE_BITS = 64 };
+    if (J->state_vanishes[state]) {
+        mpfr_set_zero(y, 1);
+        return;
+    }
+    if (J->ops->sum) {
+        J->ops->sum(J->A, y, J->state_series[state], J->order, tau);
+        return;
+    }
+    mpfr_t sum, c;
+    mpfr_inits2(J->spec.prec + MORE_BITS, sum, c, (mpfr_ptr)0);
+    J->ops->get(J->A, sum, J->state_series[state], J->order);
+    for (int k = J->order - 1; k >= 0; k--) {
+        J->ops->get(J->A, c, J->state_series[state], k);
+        mpfr_mul(sum, sum, tau, MPFR_RNDN);
+        mpfr_add(sum, sum, c, MPFR_RNDN);
+    }
+    mpfr_set(y, sum, MPFR_RNDN);
+    mpfr_clears(sum, c, (mpfr_ptr)0);
+}
+
 bool cns_jet_output(const cns_jet *J, mpfr_t y, int output)
 {
     int v = J->p->output[output];

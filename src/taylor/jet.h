@@ -64,6 +64,10 @@ int cns_jet_order(const cns_jet *J);
 void cns_jet_coefficient(const cns_jet *J, mpfr_t y, int state, int k);
 double cns_jet_coefficient_2exp(const cns_jet *J, long *e, int state, int k); /* see arith.h get_2exp */
 
+/* y = sum_k x_k tau^k of a state, all bits of the coefficients used; within the range of tau of the
+ * arithmetic the error is that of one more rounding (arith.h, rounding_log2). */
+void cns_jet_sum(const cns_jet *J, mpfr_t y, int state, const mpfr_t tau);
+
 /* An output's value at t0 (spec.outputs). False when it is singular there. */
 bool cns_jet_output(const cns_jet *J, mpfr_t y, int output);
 
@@ -94,6 +98,9 @@ typedef struct cns_watch {
 } cns_watch;
 
 int cns_jet_watched(const cns_jet *J);
+/* Do two expansions, of a program and of its tangent program, hold the same signs of what stands under abs()?
+ * J is that of the tangent program: it may have fewer of them. */
+bool cns_jet_signs_agree(const cns_jet *J, const cns_jet *of);
 /* After an expansion. False: the quantity vanishes identically on this step, and is not to be watched. */
 bool cns_jet_watch(const cns_jet *J, int w, cns_watch *watch);
 

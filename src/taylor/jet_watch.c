@@ -59,3 +59,24 @@ bool cns_jet_watch(const cns_jet *J, int w, cns_watch *watch)
     }
     return true;
 }
+
+/* The next kink of J from watched quantity *w on. */
+static bool next_kink(const cns_jet *J, int *w)
+{
+    while (*w < J->p->n_watch &&
+           (watched_by(J, *w).kind != CNS_WATCH_KINK || !J->p->node[J->p->watch[*w]].needed))
+        ++*w;
+    return *w < J->p->n_watch;
+}
+
+bool cns_jet_signs_agree(const cns_jet *J, const cns_jet *of)
+{
+    int other = 0;
+    for (int w = 0; next_kink(J, &w); w++, other++) {
+        do
+            if (!next_kink(of, &other))
+                return false;
+        while (J->sign[J->p->watch[w]] != of->sign[of->p->watch[other]] && other++ >= 0);
+    }
+    return true;
+}

@@ -123,8 +123,9 @@ static void write_tangents(cns_program *q, const cns_program *p, const int *inde
         cns_derivative(q, dims * (1 + directions), trace < 0 ? cns_constant(q, "0") : trace);
 }
 
-static cns_code variational(const cns_program *p, int directions, bool traced, cns_program **tangent,
-                            cns_error *err)
+/* whole: of all states, not the dynamic ones only. */
+static cns_code variational(const cns_program *p, int directions, bool whole, bool traced,
+                            cns_program **tangent, cns_error *err)
 {
     int *index = malloc(((size_t)p->n_states + 1) * sizeof *index);
     int *state = malloc(((size_t)p->n_states + 1) * sizeof *state);
@@ -136,7 +137,9 @@ static cns_code variational(const cns_program *p, int directions, bool traced, c
     cns_code code = CNS_NUMERIC;
     *tangent = NULL;
     if (index && state && component && map && d && wanted) {
-        int dims = cns_dynamic_states(p, index);
+        int dims = whole ? p->n_states : cns_dynamic_states(p, index);
+        for (int k = 0; k < dims && whole; k++)
+            index[k] = k;
         cns_program_options options = {.smooth = p->is_smooth ? &p->smooth : NULL};
         q = cns_program_new(dims * (1 + directions) + traced, p->n_parameters, p->parameters, &options);
         for (int k = 0; k < p->n_states; k++)
@@ -175,13 +178,19 @@ static cns_code variational(const cns_program *p, int directions, bool traced, c
 
 cns_code cns_tangent_program(const cns_program *p, int directions, cns_program **tangent, cns_error *err)
 {
-    return variational(p, directions, false, tangent, err);
+    return variational(p, directions, false, false, tangent, err);
+}
+
+cns_code cns_whole_tangent_program(const cns_program *p, int directions, cns_program **tangent,
+                                   cns_error *err)
+{
+    return variational(p, directions, true, false, tangent, err);
 }
 
 cns_code cns_traced_tangent_program(const cns_program *p, int directions, cns_program **tangent,
                                     cns_error *err)
 {
-    return variational(p, directions, true, tangent, err);
+    return variational(p, directions, false, true, tangent, err);
 }
 
 /* Sets y to node v if that is a rational number, made of such ones. */

@@ -10,7 +10,11 @@
  * changes, as the right-hand side is continuous there (the saltation matrix is the identity). */
 cns_code cns_tangent_program(const cns_program *p, int directions, cns_program **tangent, cns_error *err);
 
-/* The same with one state more, the last: its derivative is the trace of the Jacobian of the dynamic states,
+/* The same for all n states of p: the n states, then the n components of the first vector, and so on. */
+cns_code cns_whole_tangent_program(const cns_program *p, int directions, cns_program **tangent,
+                                   cns_error *err);
+
+/* The first with one state more, the last: its derivative is the trace of the Jacobian of the dynamic states,
  * so that it grows by the integral of that. Nothing feeds back on it. */
 cns_code cns_traced_tangent_program(const cns_program *p, int directions, cns_program **tangent,
                                     cns_error *err);

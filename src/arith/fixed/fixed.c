@@ -402,6 +402,26 @@ double cns_fx_get_2exp(const fx *F, long *e, int a, int k)
     return negative ? -d : d;
 }
 
+/* From the first two limbs, unless what they hold is small: then digits below would count. */
+void cns_fx_leading(const fx *F, double *m, long *e, int a, int n)
+{
+    enum { ENOUGH = 1 << 12 };
+    const fx_series *s = &F->series[a];
+    for (int k = 0; k < n; k++) {
+        m[k] = 0;
+        e[k] = 0;
+        if (!s->live || k >= s->stored)
+            continue;
+        const int64_t *x = value_of(F, s, k), top = x[0] * (FX_MASK + 1) + x[1];
+        if (top < ENOUGH && top > -ENOUGH) {
+            m[k] = cns_fx_get_2exp(F, &e[k], a, k);
+            continue;
+        }
+        m[k] = (double)top + (F->rows[k] > 1 ? ldexp((double)x[2], -FX_BITS) : 0);
+        e[k] = s->exp + 1 - (long)F->decay * k - FX_BITS;
+    }
+}
+
 void cns_fx_shift(int64_t *out, const int64_t *t, int rows, int t_rows, long shift)
 {
     const int64_t far = INT64_C(1) << 61;

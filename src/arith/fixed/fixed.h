@@ -221,6 +221,7 @@ void cns_fx_begin(fx *F, double H);
 void cns_fx_get(const fx *F, mpfr_t y, int a, int k);
 void cns_fx_set(fx *F, int w, int k, const mpfr_t y, bool keep);
 double cns_fx_get_2exp(const fx *F, long *e, int a, int k);
+void cns_fx_leading(const fx *F, double *m, long *e, int a, int n); /* see arith.h */
 /* y = sum_{k <= n} a_k tau^k, 0 <= tau <= 2^(FX_REACH/8), with an error below 3 (n+1) 2^(e-W). Costs least
  * where tau has few bits. */
 void cns_fx_sum(fx *F, mpfr_t y, int a, int n, const mpfr_t tau);

@@ -20,6 +20,7 @@ static cns_code euler_recurrence(cns_jet *J, int v, int n, cns_error *err)
 
 /* No value depends on it: the derivatives of its users and their enclosures are written without it. */
 
+#define euler_remainder cns_no_remainder
 CNS_DERIVE(euler, -1)
 CNS_ENCLOSE(euler, arb_indeterminate(e->y))
 CNS_OPERATION(euler, 1, cns_known_as_first, cns_vanishes_with_first, NULL);

@@ -35,6 +35,7 @@ static cns_code constant_recurrence(cns_jet *J, int v, int n, cns_error *err)
     return set_number(J, v, constant_of(J->p, &J->p->node[v]));
 }
 
+#define constant_remainder cns_no_remainder
 CNS_DERIVE(constant, -1)
 CNS_ENCLOSE(constant, cns_ball_number(e->y, constant_of(e->p, e->node), e->prec))
 CNS_EXACT(constant, is_rational(y, constant_of(p, n)))
@@ -48,6 +49,7 @@ static cns_code parameter_recurrence(cns_jet *J, int v, int n, cns_error *err)
     return set_number(J, v, &J->p->parameters[J->p->node[v].index]);
 }
 
+#define parameter_remainder cns_no_remainder
 CNS_DERIVE(parameter, -1)
 CNS_ENCLOSE(parameter, cns_ball_number(e->y, &e->p->parameters[e->node->index], e->prec))
 CNS_EXACT(parameter, is_rational(y, &p->parameters[n->index]))
@@ -67,6 +69,7 @@ static bool state_vanishes(const cns_jet *J, int v)
     return J->state_vanishes[J->p->node[v].index];
 }
 
+#define state_remainder cns_no_remainder
 CNS_DERIVE(state, cns_component(d))
 CNS_ENCLOSE(state, arb_set(e->y, e->state + e->node->index))
 CNS_OPERATION(state, 0, known_already, state_vanishes, NULL);

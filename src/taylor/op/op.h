@@ -24,6 +24,7 @@ struct cns_watched;
 struct cns_program_node; /* program_internal.h */
 struct cns_direction;    /* rules.h */
 struct cns_enclosure;
+struct cns_defect; /* defect_internal.h */
 
 /* An operation by its rules. w is its result, node v of a program; its operands are other nodes. */
 typedef struct cns_operation {
@@ -51,6 +52,10 @@ typedef struct cns_operation {
 
     /* Encloses w where the operands are in given balls. */
     void (*enclose)(const struct cns_enclosure *e);
+
+    /* Bounds the remainder of w from those of its operands (taylor/defect_internal.h): sets e0 and e1 of node
+     * v. False: there is no bound, as what is divided by, or under a root, may be zero. */
+    bool (*remainder)(struct cns_defect *d, int v);
 
     /* Sets y to w for rational operands x; false: it is not rational, or there is none. NULL: not in general.
      */

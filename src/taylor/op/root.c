@@ -55,6 +55,71 @@ static cns_watched watch_kink(int u)
     return (cns_watched){.node = u, .kind = CNS_WATCH_KINK};
 }
 
+/* W^2 - w^2 = Q - q + (q - w^2), and W + w >= w >= m > 0: |W - w| <= (|q - w^2| + |Q - q|) / m. q is the sum
+ * of the operands qa and qb (-1: there is no second). */
+static bool root_remainder(cns_defect *d, int v, int qa, int qb)
+{
+    mag_t x, m;
+    mag_init(x);
+    mag_init(m);
+    bool is = d->row[v] >= 0 && cns_defect_lowest(m, d, v);
+    if (is) {
+        mag_mul(x, d->size + v, d->size + v);
+        mag_add(x, x, d->size + qa);
+        if (qb >= 0)
+            mag_add(x, x, d->size + qb);
+        cns_remainder_begin(d, v, x, x);
+        mag_addmul(d->e0 + v, d->unit, x); /* the reciprocal's */
+        cns_defect_products(d->e1 + v, d, v, v);
+        for (int k = 0; k < (qb >= 0 ? 2 : 1); k++) {
+            const int q = k == 0 ? qa : qb;
+            cns_defect_leading(x, d, q);
+            mag_add(d->e0 + v, d->e0 + v, d->e0 + q);
+            mag_add(d->e1 + v, d->e1 + v, d->e1 + q);
+            mag_add(d->e1 + v, d->e1 + v, x);
+        }
+        mag_div(d->e0 + v, d->e0 + v, m);
+        mag_div(d->e1 + v, d->e1 + v, m);
+        /* Then Q >= (m - e)^2 > 0, and w is the root that is positive. */
+        mag_add(x, d->e0 + v, d->e1 + v);
+        is = mag_cmp(x, m) < 0 && d->c[(size_t)d->row[v] * ((size_t)d->most + 2)] > 0;
+    }
+    mag_clear(x);
+    mag_clear(m);
+    return is;
+}
+
+/* |U| - sigma u, sigma u >= -overshoot, |U - u| <= e: at most 3 e + 2 overshoot. Coefficients of w are zero
+ * as long as no coefficient of u had decided sigma. */
+static bool held_sign_remainder(cns_defect *d, int v, int u)
+{
+    const cns_jet *J = d->J;
+    mag_t x;
+    mag_init_set(x, d->size + u);
+    cns_remainder_begin(d, v, x, d->norm + u);
+    if (J->sign[v] != 0) {
+        mag_mul_2exp_si(x, d->overshoot, 1);
+        mag_add(d->e0 + v, d->e0 + v, x);
+        for (int k = 0; k < d->N && cns_is_zero(J, J->series[v], k); k++) {
+            cns_defect_from(x, d, u, k);
+            if (!cns_is_zero(J, J->series[u], k))
+                mag_add(d->e0 + v, d->e0 + v, x);
+            if (k > CNS_LOOKAHEAD)
+                break;
+        }
+    } else { /* w = 0 */
+        mag_add(d->e0 + v, d->e0 + v, d->norm + u);
+    }
+    mag_mul_ui(x, d->e0 + u, 3);
+    mag_add(d->e0 + v, d->e0 + v, x);
+    mag_mul_ui(x, d->e1 + u, 3);
+    mag_add(d->e1 + v, d->e1 + v, x);
+    cns_defect_leading(x, d, u);
+    mag_add(d->e1 + v, d->e1 + v, x);
+    mag_clear(x);
+    return true;
+}
+
 /* sqrt: w = sqrt(q), q = q_{2m} t^{2m} + ... */
 
 static cns_code sqrt_recurrence(cns_jet *J, int v, int n, cns_error *err)
@@ -92,6 +157,11 @@ static int sqrt_known(const cns_jet *J, int v)
 {
     const int q = J->p->node[v].arg[0];
     return J->known[q] > J->val[q] ? J->known[q] - J->val[q] / 2 : 0;
+}
+
+static bool sqrt_remainder(cns_defect *d, int v)
+{
+    return root_remainder(d, v, d->p->node[v].arg[0], -1);
 }
 
 CNS_DERIVE(sqrt, d->dx[0] < 0 ? -1 : cns_div(d->q, cns_mul(d->q, cns_constant(d->q, "1/2"), d->dx[0]), d->w))
@@ -153,6 +223,19 @@ static cns_watched hypot_watch(const cns_jet *J, int v)
     return line >= 0 ? watch_kink(line) : watch_root(J, v);
 }
 
+static bool hypot_remainder(cns_defect *d, int v)
+{
+    const int *arg = d->p->node[v].arg, line = on_line(d->J, v);
+    if (line < 0)
+        return root_remainder(d, v, arg[2], arg[3]);
+    const int other = line == arg[0] ? arg[1] : arg[0]; /* |sqrt(A^2 + B^2) - |B|| <= |A| */
+    if (!held_sign_remainder(d, v, line))
+        return false;
+    mag_add(d->e0 + v, d->e0 + v, d->e0 + other);
+    mag_add(d->e1 + v, d->e1 + v, d->e1 + other);
+    return true;
+}
+
 CNS_DERIVE(hypot,
            cns_over(d, cns_plus(d, cns_times(d, d->x[0], d->dx[0]), cns_times(d, d->x[1], d->dx[1])), d->w))
 CNS_ENCLOSE(hypot, arb_hypot(e->y, e->x[0], e->x[1], e->prec))
@@ -170,6 +253,11 @@ static cns_code abs_recurrence(cns_jet *J, int v, int n, cns_error *err)
 static cns_watched abs_watch(const cns_jet *J, int v)
 {
     return watch_kink(J->p->node[v].arg[0]);
+}
+
+static bool abs_remainder(cns_defect *d, int v)
+{
+    return held_sign_remainder(d, v, d->p->node[v].arg[0]);
 }
 
 CNS_DERIVE(abs, d->dx[0] < 0 ? -1 : cns_signed(d->q, d->w, d->dx[0]))
@@ -206,6 +294,13 @@ static cns_watched smooth_abs_watch(const cns_jet *J, int v)
                     : (cns_watched){.node = arg[1], .kind = CNS_WATCH_SMOOTH, .eps = arg[2]};
 }
 
+/* Where it is expanded as |u| it is not bounded: the two differ by eps, which counts twice as many digits as
+ * what it does to a solution. */
+static bool smooth_abs_remainder(cns_defect *d, int v)
+{
+    return !d->J->sharp && root_remainder(d, v, d->p->node[v].arg[0], -1);
+}
+
 CNS_DERIVE(smooth_abs, d->dx[1] < 0 ? -1 : cns_mul(d->q, cns_smooth_sign(d->q, d->w), d->dx[1]))
 CNS_ENCLOSE(smooth_abs, sqrt_enclose(e))
 CNS_OPERATION(smooth_abs, 3, smooth_abs_known, cns_never_vanishes, smooth_abs_watch);
@@ -235,6 +330,12 @@ static cns_code smooth_sign_recurrence(cns_jet *J, int v, int n, cns_error *err)
     return CNS_OK;
 }
 
+/* As a quotient u/w. */
+static bool smooth_sign_remainder(cns_defect *d, int v)
+{
+    return !d->J->sharp && cns_quotient_remainder(d, v, d->p->node[v].arg[1], d->p->node[v].arg[0]);
+}
+
 CNS_DERIVE(smooth_sign,
            cns_over(d, cns_plus(d, d->dx[1], cns_minus(d, cns_times(d, d->w, d->dx[0]))), d->x[0]))
 CNS_ENCLOSE(smooth_sign, arb_div(e->y, e->x[1], e->x[0], e->prec))
@@ -255,6 +356,34 @@ static void signed_accumulate(cns_jet *J, int sign, int v, int n)
 static int signed_zeros(const cns_jet *J, int v)
 {
     return J->val[J->p->node[v].arg[1]];
+}
+
+/* sign(U) A - sigma a = sigma (A - a) + (sign(U) - sigma) A: the two signs differ only where |U| <= z, which
+ * is overshoot and U's remainder; and there A, which has U as a factor, is small. So |u| u and its tangents
+ * need no zero of u to be located. */
+static bool signed_remainder(cns_defect *d, int v)
+{
+    const int w = d->p->node[v].arg[0], a = d->p->node[v].arg[1], u = d->p->node[w].arg[0];
+    const int held = d->J->sign[w] ? d->J->sign[w] : d->J->held[w];
+    mag_t x, z;
+    mag_init_set(x, d->size + a);
+    mag_init(z);
+    cns_remainder_begin(d, v, x, d->norm + a);
+    if (held != 0) {
+        mag_add(z, d->overshoot, d->e0 + u);
+        mag_add(z, z, d->e1 + u);
+        cns_defect_where_small(x, d, a, u, z);
+        mag_mul_2exp_si(x, x, 1);
+        mag_add(d->e0 + v, d->e0 + v, x);
+    } else { /* w = 0 */
+        mag_add(d->e0 + v, d->e0 + v, d->norm + a);
+    }
+    mag_add(d->e0 + v, d->e0 + v, d->e0 + a);
+    cns_defect_leading(x, d, a);
+    mag_add(d->e1 + v, d->e1 + a, x);
+    mag_clear(x);
+    mag_clear(z);
+    return true;
 }
 
 CNS_DERIVE(signed, d->dx[1] < 0 ? -1 : cns_signed(d->q, d->x[0], d->dx[1]))

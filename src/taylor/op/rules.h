@@ -7,7 +7,7 @@
 #define CNS_TAYLOR_OP_RULES_H
 
 #include "num/flint.h"
-#include "taylor/jet_internal.h"
+#include "taylor/defect_internal.h"
 
 /* A derivative: along one direction, of node w of the new program, which is the copy of `node`. */
 typedef struct cns_direction {
@@ -45,6 +45,12 @@ void cns_add_product(cns_jet *J, int sign, int a, int b, int n, int lo, int hi);
 void cns_add_euler_product(cns_jet *J, int sign, int du, int b, int n, int hi);
 cns_code cns_sum_recurrence(cns_jet *J, int v, int n, cns_error *err); /* w_n is what `accumulate` adds */
 
+/* The remainder of a sum: the operands' remainders and leading coefficients added. */
+bool cns_sum_remainder(cns_defect *d, int v, int a, int b); /* b < 0: there is none */
+bool cns_product_remainder(cns_defect *d, int v, int a, int b);
+bool cns_quotient_remainder(cns_defect *d, int v, int a, int b);
+bool cns_no_remainder(cns_defect *d, int v); /* of what is given, or no value depends on */
+
 /* `known` and `vanishes` of operations that have nothing special about them. */
 int cns_known_as_first(const cns_jet *J, int v);
 int cns_known_as_second(const cns_jet *J, int v);
@@ -76,8 +82,8 @@ bool cns_vanishes_with_either(const cns_jet *J, int v);
         return is_set;                                                                                       \
     }
 
-/* Defines an operation by its rules in their order; `...`: what only some have. Three are the functions
- * name_recurrence, name_derive and name_enclose: without one of them it does not compile. */
+/* Defines an operation by its rules in their order; `...`: what only some have. Four are the functions
+ * name_recurrence, name_derive, name_enclose and name_remainder: without one of them it does not compile. */
 #define CNS_OPERATION(name, operands, known, vanishes, watch, ...)                                           \
     CNS_OPERATION_OF(name, operands, name##_recurrence, known, vanishes, watch, __VA_ARGS__)
 
@@ -95,6 +101,7 @@ bool cns_vanishes_with_either(const cns_jet *J, int v);
                                           .watch = watch_,                                                   \
                                           .derive = name_##_derive,                                          \
                                           .enclose = name_##_enclose,                                        \
+                                          .remainder = name_##_remainder,                                    \
                                           __VA_ARGS__}
 
 #endif

@@ -27,6 +27,59 @@ cns_code cns_sum_recurrence(cns_jet *J, int v, int n, cns_error *err)
     return CNS_OK;
 }
 
+bool cns_sum_remainder(cns_defect *d, int v, int a, int b)
+{
+    mag_t terms, norm;
+    mag_init_set(terms, d->size + a);
+    mag_init_set(norm, d->norm + a);
+    if (b >= 0) {
+        mag_add(terms, terms, d->size + b);
+        mag_add(norm, norm, d->norm + b);
+    }
+    cns_remainder_begin(d, v, terms, norm);
+    for (int k = 0; k < (b >= 0 ? 2 : 1); k++) {
+        const int operand = k == 0 ? a : b;
+        cns_defect_leading(terms, d, operand);
+        mag_add(d->e0 + v, d->e0 + v, d->e0 + operand);
+        mag_add(d->e1 + v, d->e1 + v, d->e1 + operand);
+        mag_add(d->e1 + v, d->e1 + v, terms);
+    }
+    mag_clear(terms);
+    mag_clear(norm);
+    return true;
+}
+
+/* (a + A)(b + B) - a b = a B + A b + A B, where A, the remainder of a, is below e0 + e1 tau^N, and tau^N
+ * <= 1.
+ */
+bool cns_product_remainder(cns_defect *d, int v, int a, int b)
+{
+    mag_t x, y;
+    mag_init(x);
+    mag_init(y);
+    mag_mul(x, d->size + a, d->size + b);
+    mag_mul(y, d->norm + a, d->norm + b);
+    cns_remainder_begin(d, v, x, y);
+    mag_addmul(d->e0 + v, d->e0 + a, d->norm + b);
+    mag_addmul(d->e0 + v, d->e0 + b, d->norm + a);
+    mag_addmul(d->e0 + v, d->e0 + a, d->e0 + b);
+    cns_defect_products(d->e1 + v, d, a, b);
+    mag_add(x, d->norm + b, d->e0 + b);
+    mag_add(x, x, d->e1 + b);
+    mag_addmul(d->e1 + v, d->e1 + a, x);
+    mag_add(y, d->norm + a, d->e0 + a);
+    mag_addmul(d->e1 + v, d->e1 + b, y);
+    mag_clear(x);
+    mag_clear(y);
+    return true;
+}
+
+bool cns_no_remainder(cns_defect *d, int v)
+{
+    (void)d, (void)v;
+    return true;
+}
+
 static int least_zeros(const cns_jet *J, int v)
 {
     const int *arg = J->p->node[v].arg;
@@ -41,6 +94,11 @@ static void add_accumulate(cns_jet *J, int sign, int v, int n)
     cns_accumulate(J, sign, J->p->node[v].arg[1], n);
 }
 
+static bool add_remainder(cns_defect *d, int v)
+{
+    return cns_sum_remainder(d, v, d->p->node[v].arg[0], d->p->node[v].arg[1]);
+}
+
 CNS_DERIVE(add, cns_plus(d, d->dx[0], d->dx[1]))
 CNS_ENCLOSE(add, arb_add(e->y, e->x[0], e->x[1], e->prec))
 CNS_EXACT(add, (mpq_add(y, x[0], x[1]), true))
@@ -53,6 +111,11 @@ static void sub_accumulate(cns_jet *J, int sign, int v, int n)
 {
     cns_accumulate(J, sign, J->p->node[v].arg[0], n);
     cns_accumulate(J, -sign, J->p->node[v].arg[1], n);
+}
+
+static bool sub_remainder(cns_defect *d, int v)
+{
+    return cns_sum_remainder(d, v, d->p->node[v].arg[0], d->p->node[v].arg[1]);
 }
 
 CNS_DERIVE(sub, cns_plus(d, d->dx[0], cns_minus(d, d->dx[1])))
@@ -71,6 +134,11 @@ static void neg_accumulate(cns_jet *J, int sign, int v, int n)
 static int neg_zeros(const cns_jet *J, int v)
 {
     return J->val[J->p->node[v].arg[0]];
+}
+
+static bool neg_remainder(cns_defect *d, int v)
+{
+    return cns_sum_remainder(d, v, d->p->node[v].arg[0], -1);
 }
 
 CNS_DERIVE(neg, cns_minus(d, d->dx[0]))
@@ -98,6 +166,11 @@ static int mul_zeros(const cns_jet *J, int v)
     return J->val[J->p->node[v].arg[0]] + J->val[J->p->node[v].arg[1]];
 }
 
+static bool mul_remainder(cns_defect *d, int v)
+{
+    return cns_product_remainder(d, v, d->p->node[v].arg[0], d->p->node[v].arg[1]);
+}
+
 CNS_DERIVE(mul, cns_plus(d, cns_times(d, d->x[0], d->dx[1]), cns_times(d, d->x[1], d->dx[0])))
 CNS_ENCLOSE(mul, arb_mul(e->y, e->x[0], e->x[1], e->prec))
 CNS_EXACT(mul, (mpq_mul(y, x[0], x[1]), true))
@@ -122,6 +195,11 @@ static int sqr_known(const cns_jet *J, int v)
 static int sqr_zeros(const cns_jet *J, int v)
 {
     return 2 * J->val[J->p->node[v].arg[0]];
+}
+
+static bool sqr_remainder(cns_defect *d, int v)
+{
+    return cns_product_remainder(d, v, d->p->node[v].arg[0], d->p->node[v].arg[0]);
 }
 
 CNS_DERIVE(sqr, d->dx[0] < 0 ? -1 : cns_mul(d->q, cns_constant(d->q, "2"), cns_mul(d->q, d->x[0], d->dx[0])))
@@ -153,6 +231,11 @@ static void scale_accumulate(cns_jet *J, int sign, int v, int n)
 static int scale_zeros(const cns_jet *J, int v)
 {
     return J->val[J->p->node[v].arg[1]];
+}
+
+static bool scale_remainder(cns_defect *d, int v)
+{
+    return cns_product_remainder(d, v, d->p->node[v].arg[0], d->p->node[v].arg[1]);
 }
 
 CNS_DERIVE(scale, cns_times(d, d->x[0], d->dx[1]))
