@@ -144,6 +144,9 @@ static void print_table(FILE *out, const cns_context *cx, const void *result)
                 "followed\n");
     else
         fprintf(out, "# no figure: %s\n# rates from row to row\n", r->note);
+    if (r->attractors != NULL)
+        fprintf(out, "# chaos up to t = %.6g may end later: fixed points attract as well: %s\n",
+                r->discarded + r->time, r->attractors);
     print_rows(out, r);
     if (has_figure(r))
         print_figures(out, time_text(time, sizeof time, cx, r), r);
@@ -222,6 +225,8 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
     }
     cns_summary_shut(s);
     add_spectrum(s, r);
+    if (r->attractors != NULL)
+        cns_summary_text(s, "attracting_points", r->attractors);
     if (!has_figure(r))
         cns_summary_text(s, "note", r->note);
 }
@@ -246,6 +251,9 @@ static void print_swept(FILE *out, const char *value, const cns_lyapunov_result 
     snprintf(note, sizeof note, "%s", r->note);
     if (has_figure(r) && r->changes > 0)
         snprintf(note, sizeof note, "the rate changes at t about %.3g", r->change[0].t);
+    else if (has_figure(r) && r->attractors != NULL)
+        snprintf(note, sizeof note, "chaos may end later: fixed points attract as well: %.200s",
+                 r->attractors);
     cns_sweep_print_last(out, note);
 }
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "batches.h"
+#include "cns/study/equilibria.h"
 #include "core/memory.h"
 #include "core/monitor.h"
 #include "frame.h"
@@ -21,7 +22,7 @@ enum {
 static const int batch_counts[CNS_LYAPUNOV_COUNTS] = {16, 32, 64, 128};
 static const double invisible = 0.5e-9; /* differences of exponents that nine decimals do not show */
 static const double covered = 2;        /* standard errors: the error tells of changes so small */
-static const double below = 3;          /* standard errors below zero: negative */
+static const double below = 3;          /* standard errors below zero: negative; above it: positive */
 
 /* Growth at the ends of blocks, from the first one's beginning on. */
 typedef struct record {
@@ -257,6 +258,8 @@ cns_code cns_lyapunov(const cns_system *s, const cns_lyapunov_spec *spec, const 
             find_dimension(&r, from, result);
             find_sum(&r, f, from, result);
         }
+        if (found && result->exponent[0].lambda > below * result->exponent[0].se + invisible)
+            result->attractors = cns_equilibria_attractors(s, monitor);
         result->order = cns_frame_order(f);
         result->steps = cns_flow_steps(cns_frame_flow(f));
         result->landings = cns_flow_landings(cns_frame_flow(f));
@@ -274,6 +277,8 @@ void cns_lyapunov_result_clear(cns_lyapunov_result *r)
 {
     free(r->exponent);
     free(r->exact_trace);
+    free(r->attractors);
+    r->attractors = NULL;
     r->exponent = NULL;
     r->exact_trace = NULL;
 }

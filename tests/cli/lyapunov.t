@@ -145,3 +145,18 @@ $ cns lyapunov "$CASES"/case4.yaml --set lyapunov.time=0
 $ cns lyapunov -q "$CASES"/case4.yaml --set lyapunov.time=1e9 & wait_for "catches $!"; kill -INT $!; wait $!
 ? 130
 if test -r /proc/self/status
+
+= chaos that fixed points attract beside is told to be, perhaps, a transient; at R = 28 none attracts
+$ cat > a.yaml; for r in 24 28; do cns lyapunov -q a.yaml --set parameters.R=$r | grep '^# chaos' || echo none; done
+$ cns lyapunov -q a.yaml --yaml | grep attract; cns lyapunov -q a.yaml --sweep R=24:23:1 | grep -v '^#' | cut -d, -f1,6
+| model: lorenz
+| parameters: {R: 24}
+| initial: {x: 1, y: 1, z: 1}
+| time: {end: 1}
+| lyapunov: {time: 400}
+> # chaos up to t = 440 may end later: fixed points attract as well: C+, C-
+> none
+> attracting_points: C+, C-
+> R,note
+> 24,chaos may end later: fixed points attract as well: C+; C-
+> re:^23,

@@ -42,6 +42,10 @@ cns_code cns_equilibria_find(const cns_system *s, long decimals, const cns_monit
                              cns_equilibria **result, cns_error *err);
 void cns_equilibria_free(cns_equilibria *e);
 
+/* The names of those that certainly attract, as "C+, C-", a new text; NULL: none does, as far as the model
+ * knows its fixed points. */
+char *cns_equilibria_attractors(const cns_system *s, const cns_monitor *monitor);
+
 CNS_END_DECLS
 
 #endif

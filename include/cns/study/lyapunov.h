@@ -73,6 +73,9 @@ typedef struct cns_lyapunov_result {
     double discarded, time; /* t0 and T */
     int changes;            /* of rate that were found; what came before the only one is left out */
     cns_lyapunov_change change[CNS_LYAPUNOV_CHANGES];
+    /* Where growth is positive: the fixed points that attract, by name, so that chaos may be a transient that
+     * ends later; NULL: none is known to. */
+    char *attractors;
     char note[256]; /* why there is no figure; else empty */
     int batches[CNS_LYAPUNOV_COUNTS];
     double t[CNS_LYAPUNOV_ROWS]; /* of the rows, since the beginning of the trajectory */

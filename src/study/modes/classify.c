@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/study/equilibria.h"
 #include "cns/study/lyapunov.h"
 #include "core/memory.h"
 #include "core/monitor.h"
@@ -22,7 +21,6 @@ enum {
     PRINTED = 10,       /* decimals, at most */
     JOINT_LOG2 = -30,   /* of a period: so near to its end is at its end */
     ROUNDS = 12,
-    EQUILIBRIA_DECIMALS = 6,
     LEAST_GROWTH = 20,     /* ln of it, for chaos */
     CYCLE_LEAST_BITS = 60, /* of a cycle's state after one repetition */
     LOOKS = 3,             /* at what may be chaos, each one LONGER times as long as the one before */
@@ -500,22 +498,6 @@ static void list_maxima(const cns_late *late, cns_motion *motion)
     }
 }
 
-/* The names of the fixed points that attract, as far as the model knows its fixed points; "" if none does. */
-static void name_attractors(const cns_system *s, const cns_monitor *monitor, char *text, size_t size)
-{
-    const cns_monitor quiet = {.stop = cns_monitor_stop(monitor)};
-    cns_equilibria *e = NULL;
-    cns_error ignored;
-    text[0] = '\0';
-    cns_equilibria_find(s, EQUILIBRIA_DECIMALS, &quiet, &e, &ignored);
-    for (int i = 0; e != NULL && i < e->n; i++)
-        if (e->item[i].unstable == 0 && e->item[i].stable == e->d) {
-            const size_t used = strlen(text);
-            snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", e->item[i].name);
-        }
-    cns_equilibria_free(e);
-}
-
 /* Is what ran for so long without settling chaos? Its growth is measured in double and tested to be
  * stationary, over a longer time where it is not; motion: what was found, with a note unless it is plain that
  * it is no chaos. */
@@ -551,23 +533,17 @@ static cns_code look_for_chaos(const cns_system *s, const cns_classify_spec *spe
         motion->transient = r.discarded;
         motion->lambda = e->lambda;
         motion->lambda_se = e->se;
-        if (e->lambda > sure * e->se && e->lambda * r.time > LEAST_GROWTH)
+        if (e->lambda > sure * e->se && e->lambda * r.time > LEAST_GROWTH) {
             motion->mode = CNS_MODE_CHAOTIC;
-        else if (r.changes > 0)
+            snprintf(motion->note, sizeof motion->note, "up to t = %.6g%s%.180s", motion->time,
+                     r.attractors != NULL ? "; it may end later: fixed points that attract: " : "",
+                     r.attractors != NULL ? r.attractors : "");
+        } else if (r.changes > 0)
             snprintf(motion->note, sizeof motion->note,
                      "chaos ends at t about %.3g, as far as double precision tells", r.change[0].t);
     }
     cns_lyapunov_result_clear(&r);
     return code;
-}
-
-/* What is known of chaos besides: whether it need last. */
-static void note_chaos(const cns_system *s, const cns_monitor *monitor, cns_motion *motion)
-{
-    char names[128];
-    name_attractors(s, monitor, names, sizeof names);
-    snprintf(motion->note, sizeof motion->note, "up to t = %.6g%s%s", motion->time,
-             names[0] != '\0' ? "; it may end later: fixed points that attract: " : "", names);
 }
 
 /* How long a run with digits has to last: longer than it took others to settle; and longer than the last one
@@ -606,10 +582,8 @@ cns_code cns_classify(const cns_system *s, const cns_classify_spec *spec, const 
         done = true;
         if (late.kind == CNS_LATE_CHAOS || (late.kind == CNS_LATE_OPEN && digits == 0 && !late.trusted)) {
             code = look_for_chaos(s, spec, late.time, monitor, motion, err);
-            if (motion->mode == CNS_MODE_CHAOTIC) {
+            if (motion->mode == CNS_MODE_CHAOTIC)
                 list_maxima(&late, motion);
-                note_chaos(s, monitor, motion);
-            }
             done = motion->mode == CNS_MODE_CHAOTIC || motion->note[0] != '\0';
         } else if (late.kind == CNS_LATE_STEADY && have_last && same(&S, &last, &late)) {
             if (cns_late_attracts(&S, &late))

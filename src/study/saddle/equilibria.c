@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/files.h"
 #include "core/memory.h"
 #include "core/monitor.h"
 #include "fixed_point.h"
@@ -206,4 +207,25 @@ void cns_equilibria_free(cns_equilibria *e)
     free(e->item);
     free(e->index);
     free(e);
+}
+
+char *cns_equilibria_attractors(const cns_system *s, const cns_monitor *monitor)
+{
+    enum { DECIMALS = 6 };
+    const cns_monitor quiet = {.stop = cns_monitor_stop(monitor)};
+    cns_equilibria *e = NULL;
+    cns_error ignored;
+    cns_text_stream text;
+    int n = 0;
+    cns_equilibria_find(s, DECIMALS, &quiet, &e, &ignored);
+    cns_text_open(&text);
+    for (int i = 0; e != NULL && i < e->n; i++)
+        if (e->item[i].stable == e->d)
+            fprintf(text.file, "%s%s", n++ > 0 ? ", " : "", e->item[i].name);
+    cns_equilibria_free(e);
+    char *names = cns_text_close(&text, &ignored);
+    if (n > 0)
+        return names;
+    free(names);
+    return NULL;
 }
