@@ -345,7 +345,8 @@ START_TEST(a_fold)
     cns_branch *b = branch(&m, "1.1", CNS_UNREACHED);
     mpfr_t x;
     mpfr_init2(x, BITS);
-    ck_assert_int_eq(b->n, 3);
+    ck_assert_int_eq(b->n, 4);
+    ck_assert(b->point[3].orbit == NULL && strstr(b->point[3].note, "turns back") != NULL);
     const cns_orbit *first = b->point[0].orbit, *at = crossing(b, 2, CNS_CROSSING_FOLD);
     mpfr_set_d(x, 1.25, MPFR_RNDN);
     mpfr_sqrt(x, x, MPFR_RNDN);

@@ -118,10 +118,18 @@ typedef struct found_branch {
     const char *reason; /* why it ends early; NULL: it does not */
 } found_branch;
 
-static void print_header(FILE *out, const cns_model *m, const found_branch *found)
+/* The first orbit; NULL: there is none. */
+static const cns_orbit *first_orbit(const cns_branch *b)
 {
-    const cns_orbit *o = found->branch->point[0].orbit;
-    fprintf(out, "%s,crossing,period,repetitions,winding", m->parameters[found->sweep.varied].name);
+    for (int i = 0; i < b->n; i++)
+        if (b->point[i].orbit != NULL)
+            return b->point[i].orbit;
+    return NULL;
+}
+
+static void print_header(FILE *out, const cns_model *m, const char *varied, const cns_orbit *o)
+{
+    fprintf(out, "%s,crossing,period,repetitions,winding", varied);
     for (int k = 0; k < o->d; k++)
         fprintf(out, ",%s", m->states[o->index[k]].name);
     for (int i = 0; i < o->n_states; i++)
@@ -158,12 +166,15 @@ static void print_branch(FILE *out, const cns_context *cx, const void *result)
     const found_branch *found = result;
     const cns_branch *b = found->branch;
     cns_provenance_begin(out, cx->c, "periodic orbits of ", CNS_PROVENANCE_CASE);
+    const cns_sweep_title varied = cns_sweep_name(&found->sweep, cx->c->model);
     fprintf(out, "# sweep: %s\n", cx->o->sweep);
-    if (b->note[0] != '\0')
-        fprintf(out, "# %s\n", b->note);
-    print_header(out, cx->c->model, found);
-    for (int i = 0; i < b->n; i++)
-        print_row(out, &b->point[i]);
+    print_header(out, cx->c->model, varied.text, first_orbit(b));
+    for (int i = 0; i < b->n; i++) {
+        if (b->point[i].orbit != NULL)
+            print_row(out, &b->point[i]);
+        if (b->point[i].note != NULL)
+            fprintf(out, "# %s=%s: %s\n", varied.text, b->point[i].parameter, b->point[i].note);
+    }
     cns_provenance_end(out, found->reason);
 }
 
@@ -176,8 +187,12 @@ static int follow(cns_context *cx)
         return cns_complain(err.code, "--sweep: %s", err.text);
     cns_code code =
         cns_orbit_follow(cx->system, &cx->c->orbit, &found.sweep, &cx->monitor, &found.branch, &err);
-    found.reason = !code ? NULL : cns_signal_stop ? cns_signal_text() : err.text;
-    int status = cns_report(cx, code, &err, &view, found.branch->n > 0 ? &found : NULL);
+    const cns_branch *b = found.branch;
+    const bool to_the_end = b->n > 0 && b->point[b->n - 1].orbit != NULL; /* but for some decimals */
+    found.reason = !code || (code == CNS_UNREACHED && to_the_end) ? NULL
+                   : cns_signal_stop                              ? cns_signal_text()
+                                                                  : err.text;
+    int status = cns_report(cx, code, &err, &view, first_orbit(found.branch) != NULL ? &found : NULL);
     cns_branch_free(found.branch);
     cns_sweep_clear(&found.sweep);
     return status;
@@ -198,7 +213,27 @@ const cns_command cns_command_orbit = {
     .least = 1,
     .most = 1,
     .summary = "a periodic orbit, its period and Floquet multipliers",
-    .details = "A periodic orbit.\n",
+    .details =
+        "Newton's method with the variational equations, in multiple precision, from a guess (`initial` and "
+        "`orbit.period`), or, without a period, from the late motion: the cycle that it tends to, or one "
+        "that a "
+        "chaotic motion comes near to. `orbit.decimals` says how many decimals. Keys:\n"
+        "  period       after which the motion repeats, up to place and whole revolutions of its angle "
+        "(winding)\n"
+        "  symmetry     the part of a period, a repetition, after which the motion is an image of itself\n"
+        "  multipliers  of small deviations in a period, and in a repetition with the image taken back; the "
+        "1 "
+        "along the orbit is left out; all inside the unit circle: stable\n"
+        "  proof        every value comes from two solutions that differ in digits, orders and all steps\n"
+        "With --sweep the orbit is followed in a parameter, stable or not, and a table printed. Where a "
+        "multiplier "
+        "of a repetition crosses the unit circle a row is added, with the place to as many decimals. "
+        "crossing: fold "
+        "(1, the branch turns back), branch point (1, another branch crosses), doubling (-1, an orbit of "
+        "twice "
+        "the period branches off), symmetry breaking (-1 of an even part of a period: orbits of the same "
+        "period "
+        "without the symmetry branch off), Neimark-Sacker (a complex pair).\n",
     .options =
         CNS_TAKES(CNS_OPTION_YAML, CNS_OPTION_SET, CNS_OPTION_SWEEP, CNS_OPTION_MAX_TIME, CNS_OPTION_QUIET),
 };

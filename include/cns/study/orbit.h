@@ -84,20 +84,20 @@ typedef struct cns_branch_point {
     char *parameter; /* exact; of a crossing, to the decimals of the orbit */
     cns_crossing crossing;
     cns_orbit *orbit;
+    char *note; /* what is to be said at this value, instead of an orbit or with one; or NULL */
 } cns_branch_point;
 
 typedef struct cns_branch {
     int n;
     cns_branch_point *point; /* along the branch */
-    char note[256];          /* why it ends early, or what it became; else empty */
 } cns_branch;
 
 /* The orbit for each value of a sweep, beginning with that of `spec` at the first, each from those before;
  * and, between them, every crossing, located as the zero of det(P + 1), det(P - 1) or the product of all
  * 1 - mu_i mu_j, where P is the derivative of the return map, by secants in two precisions. A branch that
- * turns back is followed around its fold, and ends there. *result, a new branch, holds what there is
- * whatever is returned. CNS_UNREACHED: the branch ends before the last value, or some decimals are missing.
- */
+ * turns back is followed around its fold, and ends there. Where it comes to an orbit that repeats sooner,
+ * that one is followed. *result, a new branch, holds what there is whatever is returned. CNS_UNREACHED: the
+ * branch ends before the last value, or some decimals are missing; CNS_USAGE: no parameter is swept. */
 cns_code cns_orbit_follow(const cns_system *s, const cns_orbit_spec *spec, const cns_sweep *sweep,
                           const cns_monitor *monitor, cns_branch **result, cns_error *err);
 void cns_branch_free(cns_branch *b);

@@ -287,11 +287,12 @@ static cns_code solve_place(void *context, const cns_loop *l, long digits, bool 
     return code || done ? code : cns_fail(err, CNS_NUMERIC, "the crossing could not be located");
 }
 
-static void add_point(follower *F, char *parameter, cns_crossing crossing, cns_orbit *orbit)
+/* Takes the texts and the orbit. */
+static void add_point(follower *F, cns_branch_point point)
 {
     cns_branch *b = F->b;
     b->point = cns_xgrow(b->point, (size_t)b->n + 1, sizeof *b->point);
-    b->point[b->n++] = (cns_branch_point){.parameter = parameter, .crossing = crossing, .orbit = orbit};
+    b->point[b->n++] = point;
 }
 
 /* Does the branch turn back at parameter p between two nodes? Then it goes beyond both. */
@@ -348,7 +349,9 @@ static cns_code locate(follower *F, const node *a, const node *b, test which, cn
         code = CNS_OK;
     }
     if (o != NULL)
-        add_point(F, cns_xcopy(o->parameter), name_of(&F->l, which, a, b, o->parameter), o);
+        add_point(F, (cns_branch_point){.parameter = cns_xcopy(o->parameter),
+                                        .crossing = name_of(&F->l, which, a, b, o->parameter),
+                                        .orbit = o});
     mpfr_clears(x.a, x.b, (mpfr_ptr)0);
     return code;
 }
@@ -496,9 +499,11 @@ static cns_code join(follower *F, const cns_number *p, const cns_number *before,
         copy_u(&F->l, F->last.u, (const mpfr_t *)u);
         for (int t = 0; t < TESTS; t++)
             F->last.test[t] = here.test[t];
-        snprintf(F->b->note, sizeof F->b->note,
-                 "before %s = %.40s the orbit becomes one that repeats after a part of its time",
-                 cns_system_model(F->l.system)->parameters[F->l.parameter].name, p->text);
+        add_point(
+            F, (cns_branch_point){
+                   .parameter = cns_xcopy(p->text),
+                   .note = cns_xcopy("before this value the orbit becomes one that repeats after a part of "
+                                     "its time, which is followed from here on")});
     }
     cns_corrected_close(&c);
     cns_system_free(s);
@@ -517,7 +522,7 @@ static cns_code add_row(follower *F, const cns_number *p, cns_error *err)
         code =
             cns_orbit_prove(&still, &(cns_orbit_solver){cns_orbit_at, F->last.u}, F->spec->decimals, &o, err);
     if (o != NULL)
-        add_point(F, cns_xcopy(p->text), CNS_CROSSING_NONE, o);
+        add_point(F, (cns_branch_point){.parameter = cns_xcopy(p->text), .orbit = o});
     cns_system_free(s);
     return code;
 }
@@ -549,12 +554,12 @@ static bool is_behind(const follower *F, const cns_number *p, bool upwards)
     return upwards ? order < 0 : order > 0;
 }
 
-/* What is missing of a branch that goes on. */
-static void note_missing(follower *F, cns_code *code, cns_error *err, const cns_number *p)
+/* What is missing at p, of a branch that goes on. The row may be there, with fewer decimals. */
+static void note_missing(follower *F, cns_code *code, const cns_error *err, const cns_number *p)
 {
-    F->missing.code = CNS_UNREACHED;
-    snprintf(F->missing.text, sizeof F->missing.text, "at %s = %.40s: %.300s",
+    cns_fail(&F->missing, CNS_UNREACHED, "at %s = %.40s: %.600s",
              cns_system_model(F->l.system)->parameters[F->l.parameter].name, p->text, err->text);
+    add_point(F, (cns_branch_point){.parameter = cns_xcopy(p->text), .note = cns_xcopy(err->text)});
     *code = CNS_OK;
 }
 
@@ -573,7 +578,7 @@ static cns_code next_value(follower *F, const cns_number *before, const cns_numb
         *end = !passed || F->b->point[F->b->n - 1].crossing == CNS_CROSSING_FOLD;
         return cns_fail(err, CNS_UNREACHED, "%s",
                         !passed ? "no orbit was found near the last one"
-                        : *end  ? "the branch turns back before"
+                        : *end  ? "the branch turns back before that, in a fold"
                                 : "branches meet there");
     }
     return code ? code : join(F, p, before, err);
@@ -613,13 +618,12 @@ cns_code cns_orbit_follow(const cns_system *s, const cns_orbit_spec *spec, const
 {
     follower F = {.spec = spec, .monitor = monitor};
     cns_number first;
-    *result = NULL;
+    *result = F.b = cns_xalloc(1, sizeof *F.b);
     if (sweep->varied >= cns_system_model(s)->n_parameters)
         return cns_fail(err, CNS_USAGE, "an orbit is followed in a parameter, not in %s",
                         cns_sweep_name(sweep, cns_system_model(s)).text);
     cns_number_init(&first);
     cns_sweep_value(sweep, 0, &first);
-    *result = F.b = cns_xalloc(1, sizeof *F.b);
     cns_system *at = cns_system_with(s, sweep->varied, &first, err);
     cns_code code = at != NULL ? cns_loop_open(&F.l, at, cns_monitor_stop(monitor), err) : err->code;
     if (at != NULL) {
@@ -642,6 +646,7 @@ void cns_branch_free(cns_branch *b)
         return;
     for (int i = 0; i < b->n; i++) {
         free(b->point[i].parameter);
+        free(b->point[i].note);
         cns_orbit_free(b->point[i].orbit);
     }
     free(b->point);

@@ -11,11 +11,12 @@
 
 enum {
     DIGITS = CNS_ORBIT_FIRST_DIGITS,
-    RECURRENCES = 2000, /* returns that are looked through for one that repeats, after */
+    RECURRENCES = 1000, /* returns that are looked through for one that repeats, after */
     TRANSIENT = 200,    /* so many */
     CANDIDATES = 12,    /* the best of them, from which Newton's method starts */
     MOST_AUTO = 8,      /* returns of a cycle that is looked for unasked */
-    MOST_STEPS = 400000
+    MOST_STEPS = 100000,
+    LIMIT = 10000 /* steps that the motion may take to settle: a cycle that it is only near to will do */
 };
 
 /* The state whose rate of change, in scales, is the largest: there the orbit crosses its section best. */
@@ -194,6 +195,7 @@ static cns_code from_motion(cns_loop *l, const cns_orbit_spec *spec, mpfr_t *u, 
     cns_late late = {0};
     cns_monitor_tell(monitor, 0, "following the motion");
     cns_code code = cns_return_map_open(&S, l->system, -1, 0, l->stop, err);
+    S.limit = LIMIT;
     if (!code)
         code = cns_late_find(&S, 0, 0, &late, err);
     if (code) {
