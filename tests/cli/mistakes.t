@@ -135,7 +135,7 @@ $ for f in e f g; do cns check $f || true; sed 's/,5//' $f > h; cns check -q h; 
 = the command line: what was meant, and how it is written
 $ cp "$CASES"/rest.yaml g.yaml; printf 't,x\n0,1\n' > a.csv; say() { cns "$@" || true; }
 $ say run g.yaml --out x; say run g.yaml -output x; say run g.yaml --set goal.decimals 7; say run g.yaml --set goal.decimals = 7; say run g.yaml --set =..; say run g.yaml --set=..
-$ say run g.yaml goal.decimals=3; say run g.yaml --decimals 5; say run g.yaml --until 5; say run g.yaml --method rk4; say run g.yaml --sweep I=1:2:1; say lyapunov g.yaml --until 5
+$ say run g.yaml goal.decimals=3; say run g.yaml --decimals 5; say run g.yaml --until 5; say run g.yaml --method rk4; say plan g.yaml --sweep I=1:2:1; say lyapunov g.yaml --until 5
 $ say run g.yaml —set goal.decimals=3; say –h; say version; say plan g.yaml --until 1,5; say tc g.yaml --delta 0,01; say compare a.csv
 2> cns: unknown option --out; did you mean --output?
 2> cns: -output: write two hyphens, --output
@@ -147,7 +147,7 @@ $ say run g.yaml —set goal.decimals=3; say –h; say version; say plan g.yaml 
 2> cns: --decimals does not go with `cns run`; write --set goal.decimals=VALUE
 2> cns: --until does not go with `cns run`; write --set time.end=VALUE
 2> cns: unknown option --method; it is a key of case files: --set numerics.method=VALUE
-2> re:^cns: --sweep does not go with `cns run`, but with .*classify
+2> re:^cns: --sweep does not go with `cns plan`, but with .*classify
 2> re:^cns: --until does not go with `cns lyapunov`, but with .*plan
 2> cns: '—set' begins with a typographic dash: write plain hyphens, --
 2> cns: '–h' begins with a typographic dash: write plain hyphens, --

@@ -227,5 +227,5 @@ $ cns bisect a.yaml > b.txt & wait_for "catches $!"; kill -INT $!; wait $! || ec
 $ cns classify "$CASES"/modes.yaml --sweep I=1.0:3.2:0.001 -o kept > a.csv & wait_for 'grep -l complete kept/*'
 $ kill -INT $!; wait $! || echo $?; tail -n 1 a.csv
 > 130
-> re:^# stopped: signal INT \(Ctrl-C\), [1-9][0-9]* of 2201 rows$
+> re:^# stopped: signal INT \(Ctrl-C\), [1-9][0-9]* of 2201 values$
 2> re:^cns: stopped by signal INT .* \([1-9].* of 2201 runs done\); what was found so far is printed; what is finished is kept in kept: the same
