@@ -215,6 +215,32 @@ static void read_row(cns_defect *d, int row, int series, int n)
         S[k] = fabs(c[k]) + S[k + 1] * d->down[k] + TINY;
 }
 
+/* How far what the jet has for each constant is from its exact value. */
+static void read_constants(cns_defect *d)
+{
+    const cns_jet *J = d->J;
+    const cns_arith_ops *ops = J->ops;
+    mpfr_t x;
+    arb_t stored;
+    mpfr_init2(x, J->spec.prec + 2 * CONSTANT_BITS);
+    arb_init(stored);
+    for (int v = 0; v < d->p->n_nodes; v++) {
+        if (!d->p->node[v].constant)
+            continue;
+        ops->get(J->A, x, J->series[v], 0);
+        arb_set_interval_mpfr(stored, x, x, mpfr_get_prec(x));
+        arb_get_mag(d->norm + v, stored);
+        mag_set(d->size + v, d->norm + v);
+        if (ops->size_log2)
+            mag_set_ui_2exp_si(d->size + v, 1, ops->size_log2(J->A, J->series[v]));
+        arb_sub(stored, stored, d->constant + v, mpfr_get_prec(x));
+        arb_get_mag(d->e0 + v, stored);
+        mag_addmul(d->e0 + v, d->unit, d->size + v);
+    }
+    mpfr_clear(x);
+    arb_clear(stored);
+}
+
 cns_code cns_defect_read(cns_defect *d, double H, double length, cns_error *err)
 {
     const cns_jet *J = d->J;
@@ -227,33 +253,26 @@ cns_code cns_defect_read(cns_defect *d, double H, double length, cns_error *err)
     d->stretch = length / H;
     d->slack = 1 + ldexp(8 * d->N + 64, -52);
     mag_zero(d->overshoot);
-    mag_set_ui_2exp_si(d->unit, 1, (slong)ceil(ops->rounding_log2(J->A)));
+    const long rounding = (long)ceil(ops->rounding_log2(J->A));
+    if (rounding != d->constants_for) { /* constants are converted anew for each precision */
+        mag_set_ui_2exp_si(d->unit, 1, rounding);
+        read_constants(d);
+        d->constants_for = rounding;
+    }
     if (ops == &cns_arith_double || ops == &cns_arith_libm)
         mag_set_ui_2exp_si(d->least, 1, -960);
     set_powers(d);
     choose_fall(d);
     for (int i = 0; i < p->n_states; i++)
         read_row(d, i, J->state_vanishes[i] ? -1 : J->state_series[i], d->N + 1);
-    mpfr_t x;
-    arb_t stored;
-    mpfr_init2(x, J->spec.prec + 2 * CONSTANT_BITS);
-    arb_init(stored);
     for (int v = 0; v < p->n_nodes; v++) {
         const cns_program_node *n = &p->node[v];
+        if (n->constant)
+            continue;
         mag_zero(d->e0 + v);
         mag_zero(d->e1 + v);
         mag_zero(d->size + v);
-        if (n->constant) {
-            ops->get(J->A, x, J->series[v], 0);
-            arb_set_interval_mpfr(stored, x, x, mpfr_get_prec(x));
-            arb_get_mag(d->norm + v, stored);
-            mag_set(d->size + v, d->norm + v);
-            if (ops->size_log2)
-                mag_set_ui_2exp_si(d->size + v, 1, ops->size_log2(J->A, J->series[v]));
-            arb_sub(stored, stored, d->constant + v, mpfr_get_prec(x));
-            arb_get_mag(d->e0 + v, stored);
-            mag_addmul(d->e0 + v, d->unit, d->size + v);
-        } else if (n->op == CNS_OP_EULER && J->series[v] >= 0) {
+        if (n->op == CNS_OP_EULER && J->series[v] >= 0) {
             const int a = n->arg[0];
             if (d->row[a] >= 0) {
                 mag_zero(d->norm + v);
@@ -271,8 +290,6 @@ cns_code cns_defect_read(cns_defect *d, double H, double length, cns_error *err)
                 mag_set_ui_2exp_si(d->size + v, 1, ops->size_log2(J->A, J->series[v]));
         }
     }
-    mpfr_clear(x);
-    arb_clear(stored);
     return CNS_OK;
 }
 
@@ -304,9 +321,10 @@ void cns_remainder_begin(cns_defect *d, int v, const mag_t terms, const mag_t no
 void cns_defect_leading(mag_t y, const cns_defect *d, int a)
 {
     const int r = d->row[a];
-    mag_zero(y);
-    if (r >= 0)
+    if (r >= 0 && r < d->p->n_states)
         set_2exp(y, fabs(c_of(d, r)[d->N]) * d->slack, d->x[r] - d->fall[d->N]);
+    else
+        mag_zero(y);
 }
 
 void cns_defect_from(mag_t y, const cns_defect *d, int a, int k)
@@ -551,6 +569,37 @@ double cns_defect_coefficient(const cns_defect *d, int state, int k, long *e)
     return c_of(d, state)[k];
 }
 
+/* By Horner's scheme with polynomials, q <- q (begin + part s) + c_k. All terms of the result are sums of
+ * terms whose sizes add up to no more than the sum of |c_k|, as begin + part <= 1. */
+void cns_defect_shifted(const cns_defect *d, int state, double begin, double part, double *c, int n, long *e,
+                        mag_t error, mag_t tail)
+{
+    double rest, size = 0, beyond = 0;
+    const int N = unscale(d, state, &rest);
+    double q[TERMS + 1] = {0};
+    if (begin == 0) {
+        double power = 1;
+        for (int k = 0; k <= N; k++, power *= part)
+            q[k] = d->plain[k] * power;
+    }
+    for (int k = N; k >= 0 && begin != 0; k--) {
+        for (int i = N; i >= 1; i--)
+            q[i] = q[i] * begin + q[i - 1] * part;
+        q[0] = q[0] * begin + d->plain[k];
+    }
+    for (int k = 0; k <= N; k++) {
+        size += fabs(d->plain[k]);
+        if (k > n)
+            beyond += fabs(q[k]);
+    }
+    for (int k = 0; k <= n; k++)
+        c[k] = k <= N ? q[k] : 0;
+    *e = d->x[state];
+    set_2exp(tail, beyond * d->slack, *e);
+    /* 2 N + 2 operations, and the coefficients' own errors; what lies beyond N is a polynomial, too. */
+    set_2exp(error, ldexp(size, -52) * (6 * N + 24) + rest, *e);
+}
+
 void cns_defect_value(arb_t y, const cns_defect *d, int state, const arb_t tau)
 {
     double rest;
@@ -575,14 +624,6 @@ void cns_defect_value(arb_t y, const cns_defect *d, int state, const arb_t tau)
     arb_clear(spread);
     mag_clear(radius);
     mag_clear(t);
-}
-
-void cns_defect_tail(mag_t y, const cns_defect *d, int state, int from)
-{
-    if (from > d->N)
-        mag_zero(y);
-    else
-        set_2exp(y, S_of(d, state)[from] * d->slack, d->x[state] - d->fall[from]);
 }
 
 void cns_defect_slope(mag_t y, const cns_defect *d, int state)

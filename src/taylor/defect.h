@@ -58,10 +58,13 @@ void cns_defect_of(mag_t g, const cns_defect *d, int state);
 int cns_defect_order(const cns_defect *d);
 /* Coefficient k as a double, relative error (3 k + 4) 2^-53, times 2^*e. */
 double cns_defect_coefficient(const cns_defect *d, int state, int k, long *e);
-/* p_i at tau (0 <= tau <= 1 + a little), by leading terms in 53 bits; and sum_{k >= from} |p_k|, and
- * sum k |p_k|. */
+/* The polynomial about `begin`, in units of a part of the step: p_i(begin + part s) = sum_k c_k s^k, for
+ * 0 <= s <= 1, c_k up to order n as doubles, times 2^*e. error bounds what they miss by rounding, summed, and
+ * tail the sum of |c_k| of the orders beyond. */
+void cns_defect_shifted(const cns_defect *d, int state, double begin, double part, double *c, int n, long *e,
+                        mag_t error, mag_t tail);
+/* p_i at tau (0 <= tau <= 1 + a little), by leading terms in 53 bits; and sum k |p_k|. */
 void cns_defect_value(arb_t y, const cns_defect *d, int state, const arb_t tau);
-void cns_defect_tail(mag_t y, const cns_defect *d, int state, int from);
 void cns_defect_slope(mag_t y, const cns_defect *d, int state);
 /* The rounding of one coefficient of the state, summed over its series. */
 void cns_defect_rounding(mag_t y, const cns_defect *d, int state);

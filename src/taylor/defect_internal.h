@@ -31,9 +31,10 @@ struct cns_defect {
     double *plain; /* scratch: coefficients without `fall`, most + 2 */
     /* Per node: sum of |w_k|; what roundings are relative to, at least that; the remainders. */
     mag_ptr norm, size, e0, e1;
-    arb_ptr constant; /* per node, the constants: the exact value */
-    mag_t unit;       /* roundings, in sizes (arith.h) */
-    mag_t least;      /* and what underflow adds to each */
+    arb_ptr constant;   /* per node, the constants: the exact value */
+    long constants_for; /* log2 of the unit that their errors were read for */
+    mag_t unit;         /* roundings, in sizes (arith.h) */
+    mag_t least;        /* and what underflow adds to each */
     mag_t overshoot;
 };
 

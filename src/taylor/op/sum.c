@@ -27,25 +27,35 @@ cns_code cns_sum_recurrence(cns_jet *J, int v, int n, cns_error *err)
     return CNS_OK;
 }
 
+static void add_remainder_of(cns_defect *d, int v, int operand)
+{
+    mag_add(d->e0 + v, d->e0 + v, d->e0 + operand);
+    mag_add(d->e1 + v, d->e1 + v, d->e1 + operand);
+    if (d->p->node[operand].op == CNS_OP_STATE) {
+        mag_t leading;
+        mag_init(leading);
+        cns_defect_leading(leading, d, operand);
+        mag_add(d->e1 + v, d->e1 + v, leading);
+        mag_clear(leading);
+    }
+}
+
 bool cns_sum_remainder(cns_defect *d, int v, int a, int b)
 {
-    mag_t terms, norm;
-    mag_init_set(terms, d->size + a);
-    mag_init_set(norm, d->norm + a);
-    if (b >= 0) {
-        mag_add(terms, terms, d->size + b);
-        mag_add(norm, norm, d->norm + b);
+    if (b < 0) {
+        cns_remainder_begin(d, v, d->size + a, d->norm + a);
+    } else {
+        mag_t terms, norm;
+        mag_init(terms);
+        mag_init(norm);
+        mag_add(terms, d->size + a, d->size + b);
+        mag_add(norm, d->norm + a, d->norm + b);
+        cns_remainder_begin(d, v, terms, norm);
+        mag_clear(terms);
+        mag_clear(norm);
+        add_remainder_of(d, v, b);
     }
-    cns_remainder_begin(d, v, terms, norm);
-    for (int k = 0; k < (b >= 0 ? 2 : 1); k++) {
-        const int operand = k == 0 ? a : b;
-        cns_defect_leading(terms, d, operand);
-        mag_add(d->e0 + v, d->e0 + v, d->e0 + operand);
-        mag_add(d->e1 + v, d->e1 + v, d->e1 + operand);
-        mag_add(d->e1 + v, d->e1 + v, terms);
-    }
-    mag_clear(terms);
-    mag_clear(norm);
+    add_remainder_of(d, v, a);
     return true;
 }
 
