@@ -599,6 +599,8 @@ static cns_code follow(follower *F, const cns_sweep *sweep, cns_error *err)
                  cns_system_model(F->l.system)->parameters[sweep->varied].name, p.text);
         cns_monitor_tell(F->monitor, (double)i / n, what);
         code = i == 0 ? begin(F, &p, err) : next_value(F, &before, &p, &end, err);
+        if (i == 0 && code == CNS_UNREACHED) /* then there is nothing to follow */
+            code = cns_fail(err, CNS_NUMERIC, "at %s: Newton's method finds no orbit near the guess", what);
         F->l.parameter = sweep->varied;
         if (!code)
             code = add_row(F, &p, err);

@@ -12,6 +12,7 @@
 
 enum {
     TURNS = 40,
+    HALVINGS = 6,    /* of a step that leads away */
     SLACK_BITS = 12, /* by which rounding in many steps may exceed that in one */
     NEAR_LOG2 = -6   /* after half of the turns corrections are this small, or there is no orbit nearby */
 };
@@ -84,7 +85,9 @@ typedef struct evaluation {
     int size;                                      /* equations and unknowns: d, or d + 1 with a chord */
     arb_mat_t a, r, inverse, step, before, change; /* of the derivative: now, and at the turn before */
     bool had;                                      /* is there one from before? */
-    double step_log2;                              /* of the last step made */
+    mpfr_t *from;                                  /* where the last step began; */
+    double step_log2;                              /* its length, */
+    int halved;                                    /* and how often it was halved */
     slong prec;
 } evaluation;
 
@@ -311,17 +314,31 @@ static cns_code solve(int d, cns_corrected *c, evaluation *e, cns_error *err)
     return CNS_OK;
 }
 
-static void add_step(const cns_loop *l, cns_corrected *c, const evaluation *e)
+/* u = where the step began + 2^-halved of it. */
+static void take_step(const cns_loop *l, cns_corrected *c, const evaluation *e)
 {
     mpfr_t x;
     mpfr_init2(x, c->shooting.prec);
     for (int j = 0; j < e->size; j++) {
         const int k = unknown(l, j);
         arf_get_mpfr(x, arb_midref(arb_mat_entry(e->step, j, 0)), MPFR_RNDN);
-        mpfr_mul_d(x, x, unit(l, c->u, k), MPFR_RNDN);
-        mpfr_add(c->u[k], c->u[k], x, MPFR_RNDN);
+        mpfr_mul_d(x, x, ldexp(unit(l, (const mpfr_t *)e->from, k), -e->halved), MPFR_RNDN);
+        mpfr_add(c->u[k], e->from[k], x, MPFR_RNDN);
     }
     mpfr_clear(x);
+}
+
+/* Is the next step, by the derivative of the last one, shorter than that? (The monotonicity test of P.
+ * Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3, which no change of scales or
+ * coordinates affects.) */
+static bool comes_nearer(evaluation *e)
+{
+    arb_mat_t trial;
+    arb_mat_init(trial, e->size, 1);
+    arb_mat_mul(trial, e->inverse, e->r, e->prec);
+    const bool nearer = size_log2(trial) <= e->step_log2;
+    arb_mat_clear(trial);
+    return nearer;
 }
 
 cns_code cns_correct(const cns_loop *l, long digits, bool fine, const cns_chord *chord, const mpfr_t *u,
@@ -336,12 +353,19 @@ cns_code cns_correct(const cns_loop *l, long digits, bool fine, const cns_chord 
         mpfr_set(c->u[i], u[i], MPFR_RNDN);
     cns_number_get_mpfr(c->u[l->held], &l->held_value);
     open_evaluation(&e, chord != NULL ? d + 1 : d, (slong)prec + 64);
+    e.from = cns_vector_xnew(d + 2, prec);
     cns_code code = CNS_OK;
     for (;;) {
         code = evaluate(l, digits, fine, chord, c, &e, err);
+        const bool too_far = code == CNS_NUMERIC || (!code && c->turns > 0 && !comes_nearer(&e));
+        if (c->turns > 0 && too_far && e.step_log2 > NEAR_LOG2 && e.halved < HALVINGS) {
+            e.halved++;
+            take_step(l, c, &e);
+            continue;
+        }
         if (!code)
             code = solve(d, c, &e, err);
-        if (code == CNS_NUMERIC && c->turns > 0) /* a step of Newton's has gone too far */
+        if (code == CNS_NUMERIC && c->turns > 0)
             code = cns_fail(err, CNS_UNREACHED, "Newton's method finds no orbit nearby");
         if (code || c->step_log2 <= c->noise_log2 ||
             (c->step_log2 > before - 1 && before < -(double)prec / 2))
@@ -350,11 +374,14 @@ cns_code cns_correct(const cns_loop *l, long digits, bool fine, const cns_chord 
             code = cns_fail(err, CNS_UNREACHED, "Newton's method finds no orbit nearby");
             break;
         }
-        before = c->step_log2;
-        add_step(l, c, &e);
-        e.step_log2 = before;
+        for (int i = 0; i < d + 2; i++)
+            mpfr_set(e.from[i], c->u[i], MPFR_RNDN);
+        e.step_log2 = before = c->step_log2;
+        e.halved = 0;
+        take_step(l, c, &e);
         c->turns++;
     }
+    cns_vector_free(e.from);
     close_evaluation(&e);
     return code;
 }

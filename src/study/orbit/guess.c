@@ -11,6 +11,7 @@
 
 enum {
     DIGITS = CNS_ORBIT_FIRST_DIGITS,
+    SAMPLES = 40,       /* of the time before and after that of the guess */
     RECURRENCES = 1000, /* returns that are looked through for one that repeats, after */
     TRANSIENT = 200,    /* so many */
     CANDIDATES = 12,    /* the best of them, from which Newton's method starts */
@@ -18,6 +19,8 @@ enum {
     MOST_STEPS = 100000,
     LIMIT = 10000 /* steps that the motion may take to settle: a cycle that it is only near to will do */
 };
+
+static const double window = 0.15; /* of the time of a guess, before and after it */
 
 /* The state whose rate of change, in scales, is the largest: there the orbit crosses its section best. */
 static cns_code steepest(cns_loop *l, const mpfr_t *u, cns_error *err)
@@ -43,6 +46,40 @@ static cns_code steepest(cns_loop *l, const mpfr_t *u, cns_error *err)
     return code;
 }
 
+/* The time near that of the guess at which the motion comes nearest to an image of its beginning: along the
+ * orbit it changes so fast that a guess of three digits may be far away there. */
+static cns_code best_time(const cns_loop *l, mpfr_t *u, cns_error *err)
+{
+    const double guess = mpfr_get_d(u[l->d], MPFR_RNDN), unit = guess * window / SAMPLES;
+    const cns_shooting_spec spec = {.system = l->system, .digits = DIGITS, .stop = l->stop};
+    cns_shooting s;
+    double best = HUGE_VAL, least = guess;
+    mpfr_t *z = cns_vector_xnew(l->d, cns_digits_to_bits(DIGITS));
+    mpfr_t time;
+    mpfr_init2(time, 53);
+    cns_code code = cns_shooting_open(&s, &spec, err);
+    for (int k = 0; k < l->d; k++)
+        mpfr_set(z[k], u[k], MPFR_RNDN);
+    for (int k = -SAMPLES; k <= SAMPLES && !code; k++) {
+        int image;
+        long turns;
+        mpfr_set_d(time, k == -SAMPLES ? guess - SAMPLES * unit : unit, MPFR_RNDN);
+        code = cns_shooting_run(&s, (const mpfr_t *)z, time, err); /* on from where the last one ended */
+        for (int i = 0; i < l->d && !code; i++)
+            mpfr_set(z[i], s.x[i], MPFR_RNDN);
+        const double gap = code ? HUGE_VAL : cns_loop_match(l, (const mpfr_t *)u, s.x, &image, &turns);
+        if (gap < best) {
+            best = gap;
+            least = guess + k * unit;
+        }
+    }
+    mpfr_set_d(u[l->d], least, MPFR_RNDN);
+    cns_shooting_close(&s);
+    cns_vector_free(z);
+    mpfr_clear(time);
+    return code;
+}
+
 static cns_code from_case(cns_loop *l, const cns_orbit_spec *spec, mpfr_t *u, cns_error *err)
 {
     const cns_number *initial = cns_system_initial(l->system);
@@ -61,7 +98,7 @@ static cns_code from_case(cns_loop *l, const cns_orbit_spec *spec, mpfr_t *u, cn
         code = steepest(l, u, err);
     if (!code)
         cns_number_set(&l->held_value, &initial[l->index[l->held]]);
-    return code;
+    return code ? code : best_time(l, u, err);
 }
 
 /* Takes a cycle of the return map as the guess. */
