@@ -6,7 +6,7 @@
 
 VARIANT ?= release
 B       := build$(if $(filter-out release,$(VARIANT)),/$(VARIANT))
-VERSION := $(shell sed -n 's/^.define CNS_VERSION "\(.*\)"/\1/p' include/cns/version.h)
+VERSION := $(shell sed -n 's/^.define CNS_VERSION "\(.*\)"/\1/p' include/cns/status.h)
 
 CFLAGS_release  := -O3 -g
 CFLAGS_debug    := -O0 -g

@@ -36,7 +36,6 @@
  *     study/equilibria.h   fixed points;  study/orbit.h  periodic orbits
  *     study/classify.h     the mode of a motion;  study/sweep.h  for each value of a parameter;
  *     study/bisect.h       the value at which it changes
- *     version.h
  *
  * Conventions. A function that can fail returns a cns_code, or NULL for a new object, and leaves one line of
  * text in the cns_error that it is given. Structures that you declare have _init and _clear, objects that the
@@ -65,6 +64,5 @@
 #include "cns/study/sweep.h"
 #include "cns/study/tc.h"
 #include "cns/system.h"
-#include "cns/version.h"
 
 #endif

@@ -1,4 +1,4 @@
-/* Outcomes, messages, and what happens when memory runs out.
+/* The version, outcomes, messages, and what happens when memory runs out.
  *
  * A library function that can fail returns a cns_code and leaves one line of text, without a newline,
  * in the cns_error given to it. Nothing in the library prints, exits or aborts, except where memory is
@@ -6,6 +6,9 @@
  * statuses, except that it ends with 3 for CNS_MEMORY, too. */
 #ifndef CNS_STATUS_H
 #define CNS_STATUS_H
+
+/* The Makefile, cns.pc and the program all read it here. */
+#define CNS_VERSION "0.1.0"
 
 /* What stands between these two is the interface: callable from C++ too, and visible in the shared library,
  * where all other functions are hidden. So a function becomes public by its declaration in a public header,

@@ -6,7 +6,6 @@
 #include <mpfr.h>
 #include <yaml.h>
 
-#include "cns/version.h"
 #include "commands.h"
 #include "core/files.h"
 #include "report.h"

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/version.h"
 #include "core/memory.h"
 #include "core/text.h"
 

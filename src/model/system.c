@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cns/version.h"
 #include "core/files.h"
 #include "core/memory.h"
 #include "core/text.h"

@@ -136,8 +136,8 @@ $ cns run -q a.yaml --set time.every=1/4 | grep -c '^# times' || true
 > 32
 > 0
 
-= each case that comes with the program, shortly
-$ for c in "$CASES"/*.yaml; do cns run -q "$c" --set time.end=5 > a.csv || echo "$c: $?"; tail -n 1 a.csv; done | sort -u
+= each case that comes with the program, shortly; those of orbits have no goal of their own
+$ for c in "$CASES"/*.yaml; do case $c in */orbit-*) continue ;; esac; cns run -q "$c" --set time.end=5 > a.csv || echo "$c: $?"; tail -n 1 a.csv; done | sort -u
 > # complete
 
 = from standard input
