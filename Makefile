@@ -6,7 +6,9 @@
 
 VARIANT ?= release
 B       := build$(if $(filter-out release,$(VARIANT)),/$(VARIANT))
-VERSION := $(shell sed -n 's/^.define CNS_VERSION "\(.*\)"/\1/p' include/cns/status.h)
+VERSION := $(shell sed -n 's/^.define CNS_VERSION "\([0-9.]*\)"$$/\1/p' include/cns/status.h)
+# File names are made of it, and what is removed.
+$(if $(VERSION),,$(error no version in include/cns/status.h))
 
 CFLAGS_release  := -O3 -g
 CFLAGS_debug    := -O0 -g
