@@ -54,7 +54,7 @@ static cns_code on_begin(void *context, const cns_run_info *run, cns_error *err)
     r->cx->since = cns_seconds(); /* progress is that of this attempt */
     announce(r->cx, run);
     if (r->events.n > 0)
-        cns_event_table_begin(&r->events);
+        cns_event_table_begin(&r->events, run);
     return r->table ? cns_table_begin(r->table, run, err) : CNS_OK;
 }
 

@@ -86,8 +86,9 @@ void cns_event_table_close(cns_event_table *t)
     free(t->condition);
 }
 
-void cns_event_table_begin(cns_event_table *t)
+void cns_event_table_begin(cns_event_table *t, const cns_run_info *run)
 {
+    t->enclosed = run->enclosed;
     forget_lines(t);
     cns_text_open(&t->lines);
 }
@@ -127,10 +128,15 @@ int cns_event_table_write(cns_event_table *t, bool whole_run, const char *reason
     if (lines == NULL)
         return cns_complain(err.code, "%s", err.text);
     cns_provenance_begin(out, c, "events of ", CNS_PROVENANCE_EQUATIONS);
-    fprintf(out, c->has_goal || o->prove
-                     ? "# proof: two runs of different precision and order; convergence under refinement and "
-                       "measured growth, not interval arithmetic\n"
-                     : "# UNPROVEN\n");
+    fputs(t->enclosed
+              ? "# proof: an enclosure: the exact solution has each of these events, and none beside it, at "
+                "the "
+                "time and with the states\n#   shown, rounded; that there are no others is not proven. A "
+                "theorem as far as the enclosures are right\n"
+          : c->has_goal || o->prove ? "# proof: two runs of different precision and order; convergence under "
+                                      "refinement and measured growth, not interval arithmetic\n"
+                                    : "# UNPROVEN\n",
+          out);
     fprintf(out, "event,direction,t");
     for (int i = 0; i < c->model->n_states; i++)
         fprintf(out, ",%s", c->model->states[i].name);

@@ -12,6 +12,7 @@ typedef struct cns_event_table {
     cns_event_condition *condition; /* the model's own, then those of --section */
     cns_text_stream lines;          /* of the events told so far; file NULL: none were */
     long told;                      /* how many */
+    bool enclosed;                  /* they are proven by an enclosure */
     cns_file file;                  /* of --events; path NULL: not open */
 } cns_event_table;
 
@@ -20,7 +21,7 @@ int cns_event_table_open(cns_event_table *t, const cns_context *cx);
 void cns_event_table_close(cns_event_table *t);
 
 /* Forgets what an earlier attempt told. */
-void cns_event_table_begin(cns_event_table *t);
+void cns_event_table_begin(cns_event_table *t, const cns_run_info *run);
 void cns_event_table_add(cns_event_table *t, const cns_event *e);
 
 /* Writes the table into the file of --events, as cns_provenance_close() has it. whole_run: it was looked for

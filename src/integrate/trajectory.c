@@ -8,6 +8,7 @@
 #include "numerics.h"
 #include "taylor/ball.h"
 #include "taylor/jet.h"
+#include "taylor/tangent.h"
 
 enum { OUTPUT_ORDER = 4 }; /* from a start with leading zeros, 0/0 needs a few orders */
 
@@ -19,6 +20,9 @@ struct cns_trajectory {
     int told; /* of the last step's meetings */
     cns_jet *outputs;
     cns_tube *tube;
+    cns_program *tangent; /* of one direction, and scratch: for meetings within the tube */
+    cns_meeting_bound bound;
+    mag_ptr error;
     mpq_t time;
     bool late, unbounded;
     long looked_steps;   /* those made until the last look */
@@ -75,6 +79,11 @@ static bool open_followers(cns_trajectory *t, cns_error *err)
         t->tube = cns_tube_new(flow->program, prec, err);
         if (t->tube == NULL)
             return false;
+        const int n = cns_program_states(flow->program);
+        cns_meeting_bound_init(&t->bound, n);
+        t->error = _mag_vec_init(n + 1);
+        if (t->spec.n_conditions > 0 && cns_whole_tangent_program(flow->program, 1, &t->tangent, err))
+            return false;
     }
     if (t->spec.n_conditions > 0) {
         t->meetings = cns_meetings_new(t->spec.conditions, t->spec.n_conditions, cns_flow_states(t->flow),
@@ -120,6 +129,11 @@ void cns_trajectory_free(cns_trajectory *t)
     cns_flow_free(t->flow);
     cns_growth_free(t->growth);
     cns_tube_free(t->tube);
+    cns_program_free(t->tangent);
+    const int n = cns_program_states(t->spec.flow.program);
+    cns_meeting_bound_clear(&t->bound, n);
+    if (t->error != NULL)
+        _mag_vec_clear(t->error, n + 1);
     cns_meetings_free(t->meetings);
     cns_jet_free(t->outputs);
     mpq_clear(t->time);
@@ -174,8 +188,13 @@ static cns_code tell(cns_trajectory *t, mpq_srcptr until, cns_error *err)
         mpfr_get_q(t->time, m->time);
         if (!t->spec.no_growth)
             code = cns_growth_at(t->growth, t->time, &growth, &noise, err);
+        if (t->tube) {
+            cns_tube_at(t->tube, t->flow, t->time, (const mpfr_t *)m->state, t->error);
+            cns_meeting_prove(&t->bound, t->spec.flow.program, t->tangent, &t->spec.conditions[m->condition],
+                              m, t->error, cns_flow_prec(t->flow));
+        }
         if (!code)
-            code = t->spec.met(t->spec.met_context, m, noise, err);
+            code = t->spec.met(t->spec.met_context, m, t->tube ? &t->bound : NULL, noise, err);
     }
     return code;
 }

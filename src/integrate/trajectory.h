@@ -6,6 +6,7 @@
 #include "cns/events.h"
 #include "cns/flow.h"
 #include "growth.h"
+#include "meeting_bound.h"
 #include "tube.h"
 
 typedef struct cns_sample {
@@ -34,8 +35,10 @@ typedef struct cns_trajectory_spec {
     const cns_event_condition *conditions; /* whose meetings are found in every step; copied. NULL: none */
     int n_conditions;
     /* Called for each meeting, in order of time and before any sample later than it, with log2 of the error
-     * that noise has grown to there (-HUGE_VAL: growth is not followed); may be NULL. */
-    cns_code (*met)(void *context, const cns_meeting *m, double noise_log2, cns_error *err);
+     * that noise has grown to there (-HUGE_VAL: growth is not followed), and, with a tube, what that proves
+     * of it; may be NULL. */
+    cns_code (*met)(void *context, const cns_meeting *m, const cns_meeting_bound *bound, double noise_log2,
+                    cns_error *err);
     void *met_context;
 } cns_trajectory_spec;
 

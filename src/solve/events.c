@@ -9,6 +9,17 @@
 #include "num/vector.h"
 #include "proof.h"
 
+enum { ERROR_BITS = 64 };
+
+static void set_mag(mpfr_t y, const mag_t x)
+{
+    arf_t f;
+    arf_init(f);
+    arf_set_mag(f, x);
+    arf_get_mpfr(y, f, MPFR_RNDU);
+    arf_clear(f);
+}
+
 static void make_room(cns_found_list *l, int more)
 {
     if (l->first > 0 && l->first >= l->n / 2) {
@@ -23,7 +34,8 @@ static void make_room(cns_found_list *l, int more)
     }
 }
 
-cns_code cns_found_add(void *list, const cns_meeting *m, double noise_log2, cns_error *err)
+cns_code cns_found_add(void *list, const cns_meeting *m, const cns_meeting_bound *bound, double noise_log2,
+                       cns_error *err)
 {
     cns_found_list *l = list;
     make_room(l, 1);
@@ -37,6 +49,14 @@ cns_code cns_found_add(void *list, const cns_meeting *m, double noise_log2, cns_
     for (int i = 0; i < l->n_states; i++)
         mpfr_set(f->m.state[i], m->state[i], MPFR_RNDN);
     l->n++;
+    if (bound == NULL)
+        return CNS_OK;
+    f->enclosed = bound->proven;
+    mpfr_init2(f->time_error, ERROR_BITS);
+    set_mag(f->time_error, bound->time);
+    f->state_error = cns_vector_xnew(l->n_states, ERROR_BITS);
+    for (int i = 0; i < l->n_states; i++)
+        set_mag(f->state_error[i], bound->state + i);
     return CNS_OK;
 }
 
@@ -53,6 +73,10 @@ void cns_found_drop(cns_found_list *l, int i)
 {
     mpfr_clear(l->at[i].m.time);
     cns_vector_free(l->at[i].m.state);
+    if (l->at[i].state_error != NULL) {
+        mpfr_clear(l->at[i].time_error);
+        cns_vector_free(l->at[i].state_error);
+    }
     for (; i > l->first; i--)
         l->at[i] = l->at[i - 1];
     l->first++;
@@ -88,29 +112,36 @@ long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_fou
                       const bool *constant, cns_places places, long most, double *error_log10,
                       mpfr_t time_error)
 {
-    const cns_meeting *a = &fine->m, *b = &coarse->m;
+    const cns_meeting *a = &fine->m, *b = coarse != NULL ? &coarse->m : a;
     const cns_event_condition *c = &p->conditions[a->condition];
     const int n = cns_program_states(cns_system_program(p->system));
     /* The state of the condition has its value exactly, except at a touch. */
     const int exact = c->kind == CNS_CONDITION_EXTREMUM || a->direction == 0 ? -1 : c->state;
-    const double loss = coarse->noise_log2 + cns_event_loss_log2(p, a),
-                 noise = a->direction == 0 ? loss / 2 : loss;
+    const double loss = cns_event_loss_log2(p, a);
     mpfr_t error;
     *error_log10 = HUGE_VAL;
-    if (a->k != b->k || a->direction != b->direction)
+    if (coarse != NULL ? a->k != b->k || a->direction != b->direction : !fine->enclosed)
         return -1;
-    mpfr_init2(error, 64);
-    mpfr_set_zero(time_error, 1);
-    cns_proof_error(time_error, a->time, b->time, noise);
-    mpfr_set(error, time_error, MPFR_RNDU); /* what moves in time moves the states, too */
-    for (int i = 0; i < n; i++)
-        cns_proof_error(error, a->state[i], b->state[i], noise);
+    mpfr_init2(error, ERROR_BITS);
+    if (coarse != NULL) {
+        const double own = coarse->noise_log2 + loss, noise = a->direction == 0 ? own / 2 : own;
+        mpfr_set_zero(time_error, 1);
+        cns_proof_error(time_error, a->time, b->time, noise);
+        mpfr_set(error, time_error, MPFR_RNDU); /* what moves in time moves the states, too */
+        for (int i = 0; i < n; i++)
+            cns_proof_error(error, a->state[i], b->state[i], noise);
+    } else {
+        mpfr_set(time_error, fine->time_error, MPFR_RNDU);
+        mpfr_set(error, time_error, MPFR_RNDU);
+        for (int i = 0; i < n; i++)
+            mpfr_max(error, error, fine->state_error[i], MPFR_RNDU);
+    }
     cns_bounded *value = cns_xalloc((size_t)n + 1, sizeof *value);
     int count = 0;
     value[count++] = (cns_bounded){a->time, time_error};
     for (int i = 0; i < n; i++) /* zero in both runs is an invariant line, and exact */
         if (i != exact && !constant[i] && !(mpfr_zero_p(a->state[i]) && mpfr_zero_p(b->state[i])))
-            value[count++] = (cns_bounded){a->state[i], error};
+            value[count++] = (cns_bounded){a->state[i], coarse != NULL ? error : fine->state_error[i]};
     const long found = cns_proof_places(value, count, places, most);
     *error_log10 = cns_log2_mpfr(error) * CNS_LOG10_2;
     free(value);

@@ -3,11 +3,15 @@
 #define CNS_SOLVE_EVENTS_H
 
 #include "cns/solve.h"
+#include "integrate/meeting_bound.h"
 
 /* A queue of meetings of one trajectory, in order of time: copies of what it found. */
 typedef struct cns_found {
     cns_meeting m;
-    double noise_log2; /* what noise has grown to there, in scales */
+    double noise_log2;   /* what noise has grown to there, in scales */
+    bool enclosed;       /* within a tube, which proves it; then the errors of */
+    mpfr_t time_error;   /* its time, */
+    mpfr_t *state_error; /* and its states */
 } cns_found;
 
 typedef struct cns_found_list {
@@ -17,7 +21,8 @@ typedef struct cns_found_list {
 } cns_found_list;
 
 /* As cns_trajectory_spec.met; `list` is a cns_found_list with its n_states set. */
-cns_code cns_found_add(void *list, const cns_meeting *m, double noise_log2, cns_error *err);
+cns_code cns_found_add(void *list, const cns_meeting *m, const cns_meeting_bound *bound, double noise_log2,
+                       cns_error *err);
 void cns_found_move(cns_found_list *to, cns_found_list *from); /* all of them, to the end of `to` */
 void cns_found_drop(cns_found_list *list, int i);
 void cns_found_clear(cns_found_list *list);
@@ -32,8 +37,9 @@ double cns_event_loss_log2(const cns_problem *p, const cns_meeting *m);
 int cns_event_partner(const cns_found_list *fine, const cns_found_list *coarse);
 
 /* The number of places, at most `most`, to which time and states of an event are certain; -1: none are, or
- * the runs disagree on what happens. *error_log10: log10 of the bound of its error; HUGE_VAL: there is none.
- * Where there is one, time_error is the bound of the time alone. */
+ * the runs disagree on what happens. coarse NULL: by the tube of the fine one. *error_log10: log10 of the
+ * bound of its error; HUGE_VAL: there is none. Where there is one, time_error is the bound of the time alone.
+ */
 long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_found *coarse,
                       const bool *constant, cns_places places, long most, double *error_log10,
                       mpfr_t time_error);

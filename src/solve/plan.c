@@ -91,8 +91,10 @@ static void add_needs(needs *need, double places, double noise_log2)
         need->from[i] = fmax(need->from[i], places + fmax(0, cns_growth_since(g, i)));
 }
 
-static cns_code add_event_needs(void *context, const cns_meeting *m, double noise_log2, cns_error *err)
+static cns_code add_event_needs(void *context, const cns_meeting *m, const cns_meeting_bound *bound,
+                                double noise_log2, cns_error *err)
 {
+    (void)bound;
     needs *need = context;
     const int n = cns_program_states(cns_system_program(need->p->system)),
               own = need->p->conditions[m->condition].state;
@@ -239,7 +241,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
         if (schedule->digits[0] < digits)
             schedule->digits[0] = digits;
         digits = schedule->digits[0];
-        plan->enclosed = goal->proof == CNS_PROOF_ENCLOSURE && p->n_conditions == 0;
+        plan->enclosed = goal->proof == CNS_PROOF_ENCLOSURE;
         cns_proof_runs runs;
         if (plan->enclosed) {
             plan->digits = digits;

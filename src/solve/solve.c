@@ -437,11 +437,12 @@ static long event_places(const walk *w, const demand *d, const cns_found *f, con
 static bool prove_event(walk *w, demand *d, long *places, mpfr_t until, cns_result *result)
 {
     const cns_found *f = &w->found.at[w->found.first];
-    const int partner = cns_event_partner(&w->found, &w->found_again);
+    const int partner = w->enclosed ? -1 : cns_event_partner(&w->found, &w->found_again);
     double error_log10 = HUGE_VAL;
     *places = -1;
-    if (partner >= 0)
-        *places = event_places(w, d, f, &w->found_again.at[partner], &error_log10, until);
+    if (partner >= 0 || w->enclosed)
+        *places =
+            event_places(w, d, f, w->enclosed ? NULL : &w->found_again.at[partner], &error_log10, until);
     else if (!mpq_equal(w->time, w->p->end->ratio) && mpfr_cmp_q(f->m.time, w->before) > 0)
         return false; /* the coarser run may meet it just behind the row */
     /* A touch moves by the root of the noise: it takes two digits for each. */
@@ -450,14 +451,14 @@ static bool prove_event(walk *w, demand *d, long *places, mpfr_t until, cns_resu
         return false;
     d->few_events = d->few_events || *places < d->count;
     if (*places < 0) {
-        cns_fail(
-            &result->events_end, CNS_UNREACHED,
-            "the two runs do not agree on the event at t = %.12g, or it cannot be told from the start or "
-            "the event before",
-            mpfr_get_d(f->m.time, MPFR_RNDN));
+        cns_fail(&result->events_end, CNS_UNREACHED,
+                 "%s the event at t = %.12g, or it cannot be told from the start or the event before",
+                 w->enclosed ? "nothing is proven of" : "the two runs do not agree on",
+                 mpfr_get_d(f->m.time, MPFR_RNDN));
         return false;
     }
-    cns_found_drop(&w->found_again, partner);
+    if (!w->enclosed)
+        cns_found_drop(&w->found_again, partner);
     return true;
 }
 
@@ -469,7 +470,7 @@ static cns_code tell_events(walk *w, demand *d, cns_result *result, cns_error *e
     mpfr_t until;
     mpfr_init2(until, ERROR_BITS);
     while (!code && w->found.first < w->found.n && !result->events_end.code) {
-        if (w->coarse) {
+        if (w->proof) {
             if (!prove_event(w, d, &places, until, result))
                 break;
             mpfr_set(w->told_until[w->found.at[w->found.first].m.condition], until, MPFR_RNDU);

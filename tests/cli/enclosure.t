@@ -30,3 +30,28 @@ $ for proof in two-runs enclosure; do cns run -q "$CASES"/lorenz.yaml --set time
 
 = a start that is no double, many digits, and another kernel
 $ for proof in two-runs enclosure; do CNS_KERNEL=portable cns run -q "$CASES"/case4.yaml --set initial.theta=1/3 --set time.end=4 --set goal.decimals=200 --set goal.proof=$proof | grep -v '^#' > $proof; done; cmp two-runs enclosure
+
+= events: the same as by two runs, each proven by itself
+$ for proof in two-runs enclosure; do cns run -q "$CASES"/case4.yaml --set time.end=40 --set goal.decimals=20 --set goal.proof=$proof --events $proof.ev --section Vy=1/3 > /dev/null; grep -v '^#' $proof.ev > $proof; done
+$ cmp two-runs enclosure; cut -d, -f1 enclosure | cut -c1-5 | sort -u; grep -c '^# proof: an enclosure: the exact solution has each' enclosure.ev
+> Vy=1/
+> event
+> omega
+> theta
+> 1
+
+= two events close together, a section just below a maximum
+$ cat > a.yaml; for proof in two-runs enclosure; do cns run -q a.yaml --set goal.proof=$proof --events $proof.ev --section z=39.8234661207612717 > /dev/null; grep -v '^#' $proof.ev > $proof; done; cmp two-runs enclosure; grep -c '^z' enclosure
+| model: lorenz
+| initial: {x: -13.76361068213420052501, y: -19.57875194245179553883, z: 27}
+| time: {end: 0.3}
+| goal: {decimals: 15}
+> 2
+
+= an event that may be none is not told as one
+$ cat > a.yaml; cns run -q a.yaml --set goal.proof=enclosure --events a.ev --section x=1 > /dev/null || echo $?; grep -vc '^#' a.ev
+| model: lorenz
+| initial: {x: 1, y: 1, z: 27}
+| time: {end: 0.001}
+| goal: {decimals: 12, max_digits: 60}
+> 1
