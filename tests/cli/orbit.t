@@ -93,6 +93,13 @@ $ cat > l.yaml; for s in 229:230:1 314:312:2; do cns orbit -q l.yaml --sweep R=$
 > 229.406708561443,doubling
 > 312.973532984162,symmetry breaking
 
+= where an orbit leaves its section another one is taken, with the same period and multipliers as from its own
+$ a=$CASES/orbit-lorenz.yaml; cns orbit -q "$a" --set orbit.decimals=20 --sweep R=28:48:20 > t; sed -n '/^# R/p' t
+$ cns orbit -q "$a" --set parameters.R=48 --set orbit.decimals=20 --set orbit.section=x --set initial='{x: -18.27, y: -26.1, z: 51.1}' --set orbit.period=1.11 > b
+$ sed -n '/^48/p' t | tr , '\n' | grep -c "$(sed -n 's/^period *//p' b)\|$(grep -m 1 '^  *[0-9]' b | tr -d ' ')"
+> # R=48: from here on the orbit begins on another section, which it crosses better
+> 2
+
 = what is missing, or makes no sense
 $ cat > l.yaml
 $ cns orbit -q l.yaml --set parameters.R=10 || echo $?

@@ -8,6 +8,7 @@
 #include "num/logs.h"
 #include "num/vector.h"
 #include "orbit.h"
+#include "study/modes/returns.h"
 
 enum {
     DIGITS = CNS_ORBIT_FIRST_DIGITS,
@@ -543,6 +544,46 @@ static cns_code begin(follower *F, const cns_number *p, cns_error *err)
     return code;
 }
 
+/* The section may be what the branch does not reach beyond: another one, for the last two nodes. */
+static cns_code change_section(follower *F, bool *turned, cns_error *err)
+{
+    cns_number p;
+    cns_loop still;
+    cns_system *s;
+    cns_corrected c = {0};
+    cns_number_init(&p);
+    cns_number_from_mpfr(&p, F->last.u[F->l.d + 1]);
+    cns_code code = at_parameter(F, &p, &still, &s, err);
+    if (!code)
+        code = cns_orbit_turn(&still, F->last.u, turned, err);
+    cns_system_free(s);
+    cns_number_clear(&p);
+    if (code || !*turned)
+        return code;
+    F->l.held = still.held; /* its value is shared */
+    F->l.held_value = still.held_value;
+    node back = F->before;
+    bool reached = false;
+    F->before.u = NULL;
+    if (!code)
+        code = cns_correct(&F->l, DIGITS, false, NULL, (const mpfr_t *)F->last.u, &c, err);
+    if (!code)
+        code = to_node(&F->l, &c, &F->last, err);
+    cns_corrected_close(&c);
+    if (!code && back.u != NULL) {
+        mpfr_t q;
+        mpfr_init2(q, cns_digits_to_bits(DIGITS));
+        mpfr_set(q, back.u[F->l.d + 1], MPFR_RNDN);
+        code = step_to(F, q, &back, &reached, err);
+        mpfr_clear(q);
+    }
+    if (reached)
+        F->before = back;
+    else
+        cns_vector_free(back.u);
+    return code;
+}
+
 /* Has the branch gone beyond p already? */
 static bool is_behind(const follower *F, const cns_number *p, bool upwards)
 {
@@ -568,10 +609,18 @@ static cns_code next_value(follower *F, const cns_number *before, const cns_numb
                            cns_error *err)
 {
     const bool upwards = cns_number_cmp(p, before) > 0;
-    bool arrived = false, passed = false;
+    bool arrived = false, passed = false, turned = false;
     if (is_behind(F, p, upwards))
         return cns_fail(err, CNS_UNREACHED, "no orbit there");
     cns_code code = advance(F, p, &arrived, err);
+    if (!code && !arrived)
+        code = change_section(F, &turned, err);
+    if (!code && turned) {
+        add_point(F, (cns_branch_point){.parameter = cns_xcopy(p->text),
+                                        .note = cns_xcopy("from here on the orbit begins on another section, "
+                                                          "which it crosses better")});
+        code = advance(F, p, &arrived, err);
+    }
     if (!code && !arrived)
         code = along_curve(F, &passed, err);
     if (!code && !arrived) {

@@ -11,6 +11,7 @@
 
 enum {
     DIGITS = CNS_ORBIT_FIRST_DIGITS,
+    PLACES = 16,        /* along an orbit, at which it may cross a section */
     SAMPLES = 40,       /* of the time before and after that of the guess */
     RECURRENCES = 1000, /* returns that are looked through for one that repeats, after */
     TRANSIENT = 200,    /* so many */
@@ -20,29 +21,82 @@ enum {
     LIMIT = 10000 /* steps that the motion may take to settle: a cycle that it is only near to will do */
 };
 
+static const double poor = 5;      /* so many times better is another section than a poor one */
 static const double window = 0.15; /* of the time of a guess, before and after it */
 
-/* The state whose rate of change, in scales, is the largest: there the orbit crosses its section best. */
-static cns_code steepest(cns_loop *l, const mpfr_t *u, cns_error *err)
+/* The state whose rate of change at u, in scales, is the largest: there the orbit crosses its section best.
+ * *held_rate: that of the state held so far, if there is one. */
+static cns_code steepest(const cns_loop *l, const mpfr_t *u, int *state, double *rate, double *held_rate,
+                         cns_error *err)
 {
     const cns_shooting_spec spec = {.system = l->system, .digits = DIGITS, .tangents = true, .stop = l->stop};
     cns_shooting s;
-    double most = -1;
     mpfr_t soon;
     mpfr_init2(soon, 64);
     mpfr_mul_2si(soon, u[l->d], -20, MPFR_RNDN);
+    *rate = *held_rate = -1;
     cns_code code = cns_shooting_open(&s, &spec, err);
     if (!code)
         code = cns_shooting_run(&s, u, soon, err);
     for (int k = 0; k < l->d && !code; k++) {
-        const double rate = fabs(mpfr_get_d(s.f[k], MPFR_RNDN)) / cns_system_scales(l->system)[l->index[k]];
-        if (rate > most) {
-            most = rate;
-            l->held = k;
+        const double r = fabs(mpfr_get_d(s.f[k], MPFR_RNDN)) / cns_system_scales(l->system)[l->index[k]];
+        if (k == l->held)
+            *held_rate = r;
+        if (r > *rate) {
+            *rate = r;
+            *state = k;
         }
     }
     cns_shooting_close(&s);
     mpfr_clear(soon);
+    return code;
+}
+
+cns_code cns_orbit_turn(cns_loop *l, mpfr_t *u, bool *turned, cns_error *err)
+{
+    const cns_shooting_spec spec = {.system = l->system, .digits = DIGITS, .stop = l->stop};
+    const mpfr_prec_t prec = cns_digits_to_bits(DIGITS);
+    mpfr_t *z = cns_vector_xnew(l->d + 2, prec), *best = cns_vector_xnew(l->d + 2, prec), part, value;
+    double most, so_far, rate, ignored;
+    int held, state;
+    cns_shooting s;
+    mpfr_init2(part, prec);
+    mpfr_init2(value, 24); /* it need not be exact, but it must be the same at every precision */
+    mpfr_div_ui(part, u[l->d], PLACES, MPFR_RNDN);
+    for (int k = 0; k < l->d + 2; k++)
+        mpfr_set(z[k], u[k], MPFR_RNDN);
+    cns_code code = steepest(l, u, &held, &most, &so_far, err);
+    most = poor * so_far;
+    *turned = false;
+    if (!code)
+        code = cns_shooting_open(&s, &spec, err);
+    else
+        s = (cns_shooting){0};
+    for (int i = 0; i < PLACES && !code; i++) {
+        code = cns_shooting_run(&s, (const mpfr_t *)z, part, err);
+        for (int k = 0; k < l->d && !code; k++)
+            mpfr_set(z[k], s.x[k], MPFR_RNDN);
+        if (!code)
+            code = steepest(l, (const mpfr_t *)z, &state, &rate, &ignored, err);
+        if (code || rate <= most)
+            continue;
+        *turned = true;
+        most = rate;
+        held = state;
+        for (int k = 0; k < l->d + 2; k++)
+            mpfr_set(best[k], z[k], MPFR_RNDN);
+    }
+    for (int k = 0; k < l->d && !code && *turned; k++)
+        mpfr_set(u[k], best[k], MPFR_RNDN);
+    if (!code && *turned) {
+        l->held = held;
+        mpfr_set(value, u[held], MPFR_RNDN);
+        cns_number_from_mpfr(&l->held_value, value);
+    }
+    cns_shooting_close(&s);
+    cns_vector_free(z);
+    cns_vector_free(best);
+    mpfr_clears(part, value, (mpfr_ptr)0);
     return code;
 }
 
@@ -94,8 +148,9 @@ static cns_code from_case(cns_loop *l, const cns_orbit_spec *spec, mpfr_t *u, cn
     if (l->held < 0 && spec->section >= 0)
         return cns_fail(err, CNS_USAGE, "nothing feeds back on state '%s': it cannot be held",
                         cns_system_model(l->system)->states[spec->section].name);
+    double rate, ignored;
     if (l->held < 0)
-        code = steepest(l, u, err);
+        code = steepest(l, (const mpfr_t *)u, &l->held, &rate, &ignored, err);
     if (!code)
         cns_number_set(&l->held_value, &initial[l->index[l->held]]);
     return code ? code : best_time(l, u, err);

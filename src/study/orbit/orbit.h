@@ -13,6 +13,10 @@ enum { CNS_ORBIT_FIRST_DIGITS = 30 }; /* of the first solution, near which nothi
 cns_code cns_orbit_guess(cns_loop *l, const cns_orbit_spec *spec, mpfr_t *u, const cns_monitor *monitor,
                          cns_error *err);
 
+/* If the orbit u crosses its section poorly, it shall begin where it crosses one best, which is held: u is
+ * then a guess. */
+cns_code cns_orbit_turn(cns_loop *l, mpfr_t *u, bool *turned, cns_error *err);
+
 /* Newton's method from the guess u, with the first digits; sets the loop's image. Then the shortest time
  * after which the orbit is an image of itself, and that image. u becomes the solution. */
 cns_code cns_orbit_settle(cns_loop *l, mpfr_t *u, cns_error *err);
