@@ -56,17 +56,16 @@ $ for k in Vx Vy omega; do v $k; done | paste end - | while read -r a b; do echo
 > 1
 > 1
 
-= where tumbling ceases to repeat in half a revolution
-$ cns orbit -q "$CASES"/orbit-tumble.yaml --set orbit.decimals=16 --sweep I=1.415:1.425:0.01 | grep -v '^#' | cut -d , -f 1,2,4,12,13
-> I,crossing,repetitions,stability,unstable
-> 1.415,,2,stable,0
-> 1.4190740418532581,symmetry breaking,2,not hyperbolic,0
-> 1.425,,2,unstable,1
-
-= the same place from the other side: where the multiplier of the orbits of period two, as a polynomial, is 1
-$ cns orbit -q "$CASES"/orbit-tumble.yaml --set orbit.decimals=15 --sweep I=1.4202:1.4192:0.0002 | awk -F , '/^1/{n++; x[n]=$14; y[n]=$1}
-$ END{for(k=1;k<n;k++) for(i=1;i<=n-k;i++) y[i]=((1-x[i+k])*y[i]+(x[i]-1)*y[i+1])/(x[i]-x[i+k]); printf "%.10f\n", y[1]}'
-> 1.4190740419
+= where tumbling of period two begins: the simple orbit's multiplier is -1, and its own, as a polynomial in I, 1
+$ cns orbit -q "$CASES"/orbit-tumble.yaml --set orbit.decimals=15 --sweep I=1.4202:1.419:0.0002 > t
+$ grep '^1.419[0-9]*,s\|^1.4190*,\|^# I' t | cut -d , -f 1,2,4,12,13
+$ awk -F , '/^1/ && $4 == 1 {n++; x[n] = $14; y[n] = $1}
+$ END {for (k = 1; k < n; k++) for (i = 1; i <= n - k; i++) y[i] = ((1 - x[i+k]) * y[i] + (x[i] - 1) * y[i+1]) / (x[i] - x[i+k])
+$ printf "%.10f of %d\n", y[1], n}' t
+> 1.419074041853258,symmetry breaking,2,not hyperbolic,0
+> # I=1.419: before this value the orbit becomes one that repeats after a part of its time
+> 1.419,,2,stable,0
+> 1.4190740419 of 6
 
 = Lorenz: a fold, where the branch ends
 $ cat > l.yaml; cns orbit l.yaml --sweep R=165:167:1 > t || echo $?
@@ -84,14 +83,15 @@ $ grep -v '^# [fcsv]' t | cut -d , -f 1,2,4; tail -n 1 t
 > # R=167: the branch turns back before that, in a fold
 > # stopped: at R = 167: the branch turns back before that, in a fold
 
-= a doubling and a breaking symmetry: one orbit becomes the other, upwards and downwards
-$ cat > l.yaml; for s in 229:230:1 314:312:2; do cns orbit -q l.yaml --sweep R=$s | sed -n '/^[0-9.]*,[a-z ]*ing,/{s/ing,.*/ing/;p;}'; done
+= a doubling
+$ cat > l.yaml; cns orbit -q l.yaml --sweep R=229:230:1 | grep '^[0-9]' | cut -d , -f 1,2,4
 | model: lorenz
 | initial: {x: 1, y: 1, z: 1}
 | time: {end: 1}
 | orbit: {decimals: 12}
-> 229.406708561443,doubling
-> 312.973532984162,symmetry breaking
+> 229,,1
+> 229.406708561443,doubling,1
+> 230,,1
 
 = where an orbit leaves its section another one is taken, with the same period and multipliers as from its own
 $ a=$CASES/orbit-lorenz.yaml; cns orbit -q "$a" --set orbit.decimals=20 --sweep R=28:48:20 > t; sed -n '/^# R/p' t

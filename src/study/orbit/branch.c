@@ -12,11 +12,12 @@
 
 enum {
     DIGITS = CNS_ORBIT_FIRST_DIGITS,
-    HALVINGS = 10,   /* of the sweep's step, before the branch is taken to end */
+    HALVINGS = 8,    /* of the sweep's step, before the branch is taken to end */
     AROUND = 60,     /* steps around a fold, at most */
     SECANTS = 60,    /* towards a crossing */
     ROUGH_BITS = 30, /* of its place along the chord, before more digits are used */
     CLEAR_LOG2 = -8, /* the noise times the norm of the inverse, for Kantorovich's condition */
+    JOINED = 3,      /* parts of a period, at most, after which an orbit repeats that a branch runs into */
     TESTS = 3
 };
 
@@ -480,7 +481,7 @@ static cns_code join(follower *F, const cns_number *p, const cns_number *before,
     copy_u(&F->l, u, (const mpfr_t *)F->last.u);
     cns_code code = at_parameter(F, p, &still, &s, err);
     if (!code)
-        code = cns_orbit_shorten(&still, u, &found, err);
+        code = cns_orbit_shorten(&still, u, JOINED, &found, err);
     if (!code && found) {
         node here = {.u = u};
         F->l.image = still.image;
@@ -500,11 +501,11 @@ static cns_code join(follower *F, const cns_number *p, const cns_number *before,
         copy_u(&F->l, F->last.u, (const mpfr_t *)u);
         for (int t = 0; t < TESTS; t++)
             F->last.test[t] = here.test[t];
-        add_point(
-            F, (cns_branch_point){
-                   .parameter = cns_xcopy(p->text),
-                   .note = cns_xcopy("before this value the orbit becomes one that repeats after a part of "
-                                     "its time, which is followed from here on")});
+        add_point(F,
+                  (cns_branch_point){
+                      .parameter = cns_xcopy(p->text),
+                      .note = cns_xcopy(
+                          "before this value the orbit becomes one that repeats after a part of its time")});
     }
     cns_corrected_close(&c);
     cns_system_free(s);

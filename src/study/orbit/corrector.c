@@ -11,8 +11,8 @@
 #include "taylor/tangent.h"
 
 enum {
-    TURNS = 40,
-    HALVINGS = 6,    /* of a step that leads away */
+    TURNS = 24,
+    HALVINGS = 5,    /* of a step that leads away */
     SLACK_BITS = 12, /* by which rounding in many steps may exceed that in one */
     NEAR_LOG2 = -6   /* after half of the turns corrections are this small, or there is no orbit nearby */
 };

@@ -45,13 +45,13 @@ static cns_code correct_in_place(const cns_loop *l, mpfr_t *u, cns_error *err)
     return code;
 }
 
-cns_code cns_orbit_shorten(cns_loop *l, mpfr_t *u, bool *found, cns_error *err)
+cns_code cns_orbit_shorten(cns_loop *l, mpfr_t *u, int most, bool *found, cns_error *err)
 {
     const cns_shooting_spec spec = {.system = l->system, .digits = CNS_ORBIT_FIRST_DIGITS, .stop = l->stop};
     cns_shooting s;
     *found = false;
     cns_code code = cns_shooting_open(&s, &spec, err);
-    for (int parts = PARTS; parts > 1 && !code && !*found; parts--) {
+    for (int parts = most; parts > 1 && !code && !*found; parts--) {
         int image;
         long turns;
         code = run_to(l, u, parts, &s, err);
@@ -80,7 +80,7 @@ cns_code cns_orbit_settle(cns_loop *l, mpfr_t *u, cns_error *err)
     if (!code)
         code = correct_in_place(l, u, err);
     cns_shooting_close(&s);
-    return code ? code : cns_orbit_shorten(l, u, &found, err);
+    return code ? code : cns_orbit_shorten(l, u, PARTS, &found, err);
 }
 
 cns_code cns_orbit_raise(const cns_loop *l, long digits, const mpfr_t *u, cns_corrected *c, cns_error *err)

@@ -21,9 +21,9 @@ cns_code cns_orbit_turn(cns_loop *l, mpfr_t *u, bool *turned, cns_error *err);
  * after which the orbit is an image of itself, and that image. u becomes the solution. */
 cns_code cns_orbit_settle(cns_loop *l, mpfr_t *u, cns_error *err);
 
-/* Is the orbit an image of itself after a part of its time? Then that part, and that image, are the loop's.
- */
-cns_code cns_orbit_shorten(cns_loop *l, mpfr_t *u, bool *found, cns_error *err);
+/* Is the orbit an image of itself after a part of its time, a `most`-th of it or more? Then the shortest such
+ * part, and that image, are the loop's. */
+cns_code cns_orbit_shorten(cns_loop *l, mpfr_t *u, int most, bool *found, cns_error *err);
 
 /* What an orbit is that is to be proven: a solution with so many digits. near: a coarser one, or NULL. */
 typedef struct cns_orbit_solver {
