@@ -77,19 +77,21 @@ static void check_grid(const char *every, const char *end)
 {
     cns_number step, last, text_value;
     cns_time_form form;
-    mpq_t time, back, before;
-    mpq_inits(time, back, before, (mpq_ptr)0);
+    mpq_t zero, time, back, before;
+    mpq_inits(zero, time, back, before, (mpq_ptr)0);
     cns_number_init(&step);
     cns_number_init(&last);
     cns_number_init(&text_value);
     ck_assert_int_eq(cns_number_parse(&step, every, NULL), CNS_OK);
     ck_assert_int_eq(cns_number_parse(&last, end, NULL), CNS_OK);
-    cns_time_form_init(&form, &step, &last);
+    cns_time_form_init(&form);
+    cns_time_form_add_grid(&form, zero, step.ratio);
+    cns_time_form_add(&form, last.ratio);
     for (unsigned long row = 0; row < 200 && cns_row_time(&step, &last, row, time); row++) {
         char *text = cns_time_text(&form, time);
         ck_assert_msg(strspn(text, "0123456789.") == strlen(text), "%s", text);
         ck_assert_int_eq(cns_number_parse(&text_value, text, NULL), CNS_OK);
-        if (mpz_sgn(form.denominator) != 0)
+        if (form.fractions)
             cns_fraction_nearest(back, text_value.ratio, form.denominator);
         else
             mpq_set(back, text_value.ratio);
@@ -108,7 +110,7 @@ static void check_grid(const char *every, const char *end)
     cns_number_clear(&step);
     cns_number_clear(&last);
     cns_number_clear(&text_value);
-    mpq_clears(time, back, before, (mpq_ptr)0);
+    mpq_clears(zero, time, back, before, (mpq_ptr)0);
 }
 
 START_TEST(times_are_had_back)

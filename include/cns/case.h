@@ -2,7 +2,9 @@
  *
  * The system of a case c is
  *
- *     cns_system_new(c->model, c->parameters, c->initial, c->smooth ? &c->eps : NULL, &err). */
+ *     cns_system_new(c->model, c->parameters, c->initial, c->smooth ? &c->eps : NULL, &err),
+ *
+ * and where it begins at c->start, or goes backwards, cns_system_from() moves it. */
 #ifndef CNS_CASE_H
 #define CNS_CASE_H
 
@@ -21,7 +23,7 @@
 
 CNS_BEGIN_DECLS
 
-#define CNS_CASE_MAX_ROWS 10000000 /* end / every is at most that */
+#define CNS_CASE_MAX_ROWS 10000000 /* |end - start| / every is at most that */
 
 /* What a case file says. Without a section its fields hold the defaults. All belongs to the case. */
 typedef struct cns_case {
@@ -35,9 +37,15 @@ typedef struct cns_case {
     const cns_model *model;
     cns_number *parameters; /* model->n_parameters */
     cns_number *initial;    /* model->n_states */
-    cns_number end, every;  /* > 0 */
-    double max_time;        /* seconds after which to stop; 0: no limit */
-    bool smooth;            /* abs: {smooth: eps} */
+    cns_number start, end;  /* the times of the initial states and of the last row; they differ */
+    cns_number every;       /* > 0 */
+    cns_number *at; /* n_at times of rows, the last being `end`, each farther from the start than the one
+                       before; NULL: rows are `every` apart, from the start on */
+    int n_at;
+    bool backwards;  /* end < start */
+    cns_number span; /* |end - start|, with the text of `end` */
+    double max_time; /* seconds after which to stop; 0: no limit */
+    bool smooth;     /* abs: {smooth: eps} */
     cns_number eps;
     bool has_goal, has_numerics; /* never both */
     cns_goal goal;

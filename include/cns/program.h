@@ -24,6 +24,8 @@ typedef int cns_node; /* index of a node; -1 is invalid */
 
 typedef struct cns_program_options {
     const cns_number *smooth; /* NULL: abs() is exact; else abs(u) becomes sqrt(u^2 + smooth^2) */
+    bool backwards;           /* against time: every derivative takes the other sign */
+    double start;             /* the time at which it begins, for messages */
 } cns_program_options;
 
 /* parameters: the values of the model's parameters, copied; n_states, n_parameters >= 0. options may be NULL.
@@ -31,6 +33,9 @@ typedef struct cns_program_options {
 cns_program *cns_program_new(int n_states, int n_parameters, const cns_number *parameters,
                              const cns_program_options *options);
 void cns_program_free(cns_program *p);
+
+/* The time at which so much has passed since the start, rounded: for messages. */
+double cns_program_time(const cns_program *p, double passed);
 
 /* What messages call a state; "state 0" and so on, until it is told. The name is copied. */
 void cns_name_state(cns_program *p, int i, const char *name);

@@ -75,15 +75,16 @@ typedef struct cns_run_info {
 
 typedef struct cns_row {
     /* One per column. The time is exact where it is a finite decimal; else it is the fraction nearest to its
-     * text of those with a denominator up to that of `every` or, if that is larger, of `end`. */
+     * text of those with a denominator up to the largest that any row's time has. */
     char **text;
     long decimals; /* proven; -1: no proof */
     double growth;
 } cns_row;
 
-/* A meeting of the trajectory with a condition (cns/events.h), 0 < t <= end. Both runs of a proof find theirs
- * independently; the i-th meeting with each condition must be the same in both, and e bounds the error of its
- * time and states. The noise in e is carried along the flow to the meeting: slow crossings lose digits. */
+/* A meeting of the trajectory with a condition (cns/events.h), after the start and up to the end. Against
+ * time, too, its direction is that of a change with time. Both runs of a proof find theirs independently; the
+ * i-th meeting with each condition must be the same in both, and e bounds the error of its time and states.
+ * The noise in e is carried along the flow to the meeting: slow crossings lose digits. */
 typedef struct cns_event {
     int condition; /* which of the problem's */
     long k;        /* see cns_meeting */
@@ -105,8 +106,12 @@ typedef struct cns_sink {
 /* A system, and the rows and events wanted of its trajectory. All is borrowed. */
 typedef struct cns_problem {
     const cns_system *system;
+    /* Times are those that have passed since the start (cns_system_from()), which is 0 unless it is moved. */
     const cns_number *end;   /* rational, > 0 */
     const cns_number *every; /* rows at its multiples and at the end; rational, > 0; NULL: at 0 and the end */
+    const cns_number
+        *at; /* rows at these n_at times instead, increasing, >= 0, the last being `end`; NULL: none */
+    int n_at;
     const cns_column *columns; /* n_columns of them; NULL: the time and all states */
     int n_columns;
     const cns_event_condition *conditions; /* whose meetings are wanted, too; NULL: none */
@@ -124,15 +129,15 @@ typedef struct cns_result {
     bool reached;         /* and, of a goal: no row and no event has fewer places than asked for */
     cns_error events_end; /* CNS_UNREACHED: the two runs differ from some event on (a touch that may be no
                              meeting, or two), and those after it were not told */
-    double end;           /* the last row's time */
+    double end;           /* the last row's time, rounded */
     double wall_s;
 } cns_result;
 
 /* The rows and events of a problem, to its sink. CNS_UNREACHED: the table is honest but falls short of the
  * goal (err says how), or the time allowed is used up; CNS_USAGE: times that are not rational and positive, a
- * count below 1, numerics that take more than CNS_MOST_STEPS (err says what would do); CNS_NUMERIC: a
- * singularity, a plan that takes as many steps, or an error that the proof found; CNS_STOPPED by the monitor;
- * or what the sink returned. */
+ * count below 1, times that do not increase, numerics that take more than CNS_MOST_STEPS (err says what would
+ * do); CNS_NUMERIC: a singularity, a plan that takes as many steps, or an error that the proof found;
+ * CNS_STOPPED by the monitor; or what the sink returned. */
 cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *result, cns_error *err);
 cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *numerics, bool prove,
                             cns_result *result, cns_error *err);

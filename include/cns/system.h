@@ -16,9 +16,10 @@ CNS_BEGIN_DECLS
 typedef struct cns_system cns_system;
 
 /* parameters: model->n_parameters numbers; NULL: the model's defaults. initial: model->n_states numbers, the
- * states at t = 0; NULL: zeros. smooth: eps > 0, so that sqrt(a^2 + eps^2) stands for every abs(a); NULL:
- * true absolute values. Numbers are copied; the model is not, and outlives the system. NULL on failure:
- * CNS_USAGE, a parameter below its minimum or without a value; CNS_NUMERIC, what the program says. */
+ * states at the start, t = 0; NULL: zeros. smooth: eps > 0, so that sqrt(a^2 + eps^2) stands for every
+ * abs(a); NULL: true absolute values. Numbers are copied; the model is not, and outlives the system. NULL on
+ * failure: CNS_USAGE, a parameter below its minimum or without a value; CNS_NUMERIC, what the program says.
+ */
 cns_system *cns_system_new(const cns_model *model, const cns_number *parameters, const cns_number *initial,
                            const cns_number *smooth, cns_error *err);
 
@@ -36,6 +37,15 @@ cns_system *cns_system_parse(const cns_model *model, const cns_setting *settings
  * parameter; from n_parameters on, the states at t = 0. */
 cns_system *cns_system_with(const cns_system *s, int varied, const cns_number *value, cns_error *err);
 cns_system *cns_system_smoothed(const cns_system *s, const cns_number *eps, cns_error *err);
+
+/* The same system, whose initial states are those at the time `start`, rational; followed from there against
+ * time, if `backwards`. All that computes with a system counts the time that passes, from 0 on: rows and
+ * events of cns/solve.h, and messages, have its time. */
+cns_system *cns_system_from(const cns_system *s, const cns_number *start, bool backwards, cns_error *err);
+bool cns_system_is_backwards(const cns_system *s);
+const cns_number *cns_system_start(const cns_system *s);
+/* time = the time at which so much has passed, exactly; they may be the same. */
+void cns_system_time(const cns_system *s, mpq_t time, mpq_srcptr passed);
 
 void cns_system_free(cns_system *s); /* NULL: nothing */
 

@@ -243,6 +243,7 @@ const cns_command cns_command_laws = {
     .name = "laws",
     .run = run,
     .opens = CNS_OPENS_SYSTEM,
+    .times = CNS_TIMES_REFUSED,
     .operands = "CASE",
     .least = 1,
     .most = 1,

@@ -8,15 +8,19 @@
 
 enum { STANDARD_DECIMALS = 10 };
 
-/* --until: a time as in case files. */
-static int parse_until(const char *text, cns_number *until)
+/* --until: a time as in case files, on the way from the start on; *until gets what passes up to there. */
+static int parse_until(const cns_case *c, const char *text, cns_number *until)
 {
-    cns_error err;
+    cns_error err = {0};
+    const char *side = c->backwards ? "below" : "above",
+               *start = cns_number_sign(&c->start) ? c->start.text : "0";
     if (cns_number_parse(until, text, &err))
-        return cns_complain(CNS_USAGE, "--until takes a rational number above 0; %s", err.text);
-    if (until->pi_power != 0 || cns_number_sign(until) <= 0)
-        return cns_complain(CNS_USAGE, "--until takes a rational number above 0, not '%s'",
+        return cns_complain(CNS_USAGE, "--until takes a rational number %s %s; %s", side, start, err.text);
+    if (until->pi_power != 0 || cns_number_cmp(until, &c->start) != (c->backwards ? -1 : 1))
+        return cns_complain(CNS_USAGE, "--until takes a rational number %s %s, not '%s'", side, start,
                             cns_quote(text).text);
+    mpq_sub(until->ratio, until->ratio, c->start.ratio);
+    mpq_abs(until->ratio, until->ratio);
     return 0;
 }
 
@@ -89,7 +93,7 @@ static int plan_to(cns_context *cx)
     cns_meter_clear(&cx->meter);
     if (!code && made.plan.followed < end)
         return cns_complain(CNS_NUMERIC, "no plan beyond t = %.12g: the preliminary run ends there: %s",
-                            made.plan.followed, err.text);
+                            cns_program_time(cns_system_program(cx->system), made.plan.followed), err.text);
     if (!code && made.plan.digits > made.goal.max_digits)
         cns_note(cx, "more digits than max_digits (%ld) allows", made.goal.max_digits);
     return cns_report(cx, code, &err, &view, code ? NULL : &made);
@@ -101,11 +105,12 @@ static int run(cns_context *cx)
     int status = 0;
     cns_number_init(&until);
     if (cx->o->until) {
-        status = parse_until(cx->o->until, &until);
+        status = parse_until(cx->c, cx->o->until, &until);
         /* Without `every` the only row is the end. */
         if (cns_number_cmp(cx->problem.every, cx->problem.end) == 0)
             cx->problem.every = &until;
         cx->problem.end = &until;
+        cx->problem.at = NULL; /* rows of a list need no more than the last */
     }
     if (!status)
         status = plan_to(cx);
@@ -117,6 +122,7 @@ const cns_command cns_command_plan = {
     .name = "plan",
     .run = run,
     .opens = CNS_OPENS_SYSTEM,
+    .times = CNS_TIMES_TAKEN,
     .limits = true,
     .operands = "CASE",
     .least = 1,

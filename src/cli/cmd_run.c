@@ -42,7 +42,7 @@ static void announce(cns_context *cx, const cns_run_info *run)
         cns_note(cx, "%ld digits (%ld bits), order %d", run->digits, (long)run->prec, run->order);
     if (run->planned && run->followed < cns_number_get_d(cx->problem.end))
         cns_note(cx, "the preliminary run in double precision ends at t = %.12g: nothing is predicted beyond",
-                 run->followed);
+                 cns_program_time(cns_system_program(cx->system), run->followed));
     if (!run->planned && run->attempt == 1 && run->steps > 0)
         cns_note(cx, "about %.*g steps, %.*f s", run->steps < 1e7 ? 7 : 2, round(run->steps),
                  run->seconds < 10 ? 1 : 0, run->seconds);
@@ -282,6 +282,7 @@ const cns_command cns_command_run = {
     .name = "run",
     .run = run,
     .opens = CNS_OPENS_SYSTEM,
+    .times = CNS_TIMES_TAKEN,
     .limits = true,
     .operands = "CASE",
     .least = 1,

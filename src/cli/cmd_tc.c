@@ -212,6 +212,7 @@ const cns_command cns_command_tc = {
     .name = "tc",
     .run = run,
     .opens = CNS_OPENS_SYSTEM,
+    .times = CNS_TIMES_REFUSED,
     .operands = "CASE",
     .least = 1,
     .most = 1,

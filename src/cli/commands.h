@@ -9,7 +9,9 @@ typedef struct cns_command {
     const char *name;
     int (*run)(cns_context *cx); /* an exit status */
     cns_opens opens;             /* of the context */
-    bool limits;          /* it keeps to the limit of time of a goal; else that raises the monitor's stop */
+    bool limits; /* it keeps to the limit of time of a goal; else that raises the monitor's stop */
+    /* What it makes of a start other than 0, an end before the start, and a list of times. */
+    enum { CNS_TIMES_IGNORED, CNS_TIMES_REFUSED, CNS_TIMES_TAKEN } times;
     bool reads;           /* the operands are files that it reads; always, if it opens the case */
     const char *operands; /* as shown in the usage */
     int least, most;      /* how many operands */

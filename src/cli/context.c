@@ -7,6 +7,7 @@
 #include "arith/fast.h"
 #include "commands.h"
 #include "core/clock.h"
+#include "core/memory.h"
 #include "core/text.h"
 #include "outputs.h"
 #include "report.h"
@@ -60,6 +61,36 @@ static void limit_time(cns_context *cx)
     }
 }
 
+/* The system to the case's start and direction, and its list of times to what has passed since. */
+static bool move(cns_context *cx, cns_error *err)
+{
+    const cns_case *c = cx->c;
+    const bool moved = c->backwards || cns_number_sign(&c->start) != 0;
+    if (cx->o->command->times == CNS_TIMES_REFUSED && (moved || c->at != NULL))
+        return cns_fail(err, CNS_USAGE, "%s: `cns %s` counts time from 0 on, in rows: it takes no %s",
+                        c->name, cx->o->command->name,
+                        c->at != NULL  ? "list of times"
+                        : c->backwards ? "end before the start"
+                                       : "other start") == CNS_OK;
+    cns_system *other = moved ? cns_system_from(cx->system, &c->start, c->backwards, err) : NULL;
+    if (moved && other == NULL)
+        return false;
+    if (moved) {
+        cns_system_free(cx->system);
+        cx->system = other;
+    }
+    if (c->at == NULL)
+        return true;
+    cx->at = cns_xalloc((size_t)c->n_at, sizeof *cx->at);
+    for (int i = 0; i < c->n_at; i++) {
+        cns_number_init(&cx->at[i]);
+        cns_number_set(&cx->at[i], &c->at[i]);
+        mpq_sub(cx->at[i].ratio, c->at[i].ratio, c->start.ratio);
+        mpq_abs(cx->at[i].ratio, cx->at[i].ratio);
+    }
+    return true;
+}
+
 static int open_system(cns_context *cx)
 {
     const cns_case *c = cx->c;
@@ -72,10 +103,14 @@ static int open_system(cns_context *cx)
     cx->system = cns_system_new(c->model, c->parameters, c->initial, c->smooth ? &c->eps : NULL, &err);
     if (cx->system == NULL)
         return cns_complain(err.code, "%s", err.text);
+    if (o->command->times != CNS_TIMES_IGNORED && !move(cx, &err))
+        return cns_complain(err.code, "%s", err.text);
     cx->monitor.threads = o->threads > 0 ? (int)o->threads : processors > 0 ? (int)processors : 1;
     cx->problem = (cns_problem){.system = cx->system,
-                                .end = &c->end,
+                                .end = &c->span,
                                 .every = &c->every,
+                                .at = cx->at,
+                                .n_at = c->n_at,
                                 .columns = c->columns,
                                 .n_columns = c->n_columns,
                                 .monitor = &cx->monitor};
@@ -97,6 +132,9 @@ void cns_context_close(cns_context *cx)
 {
     cns_meter_clear(&cx->meter);
     cns_system_free(cx->system);
+    for (int i = 0; cx->at != NULL && i < cx->c->n_at; i++)
+        cns_number_clear(&cx->at[i]);
+    free(cx->at);
     cns_case_free(cx->c);
 }
 

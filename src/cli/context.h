@@ -12,6 +12,7 @@ typedef struct cns_context {
     const cns_options *o;
     cns_case *c;
     cns_system *system;  /* of the case */
+    cns_number *at;      /* its list of times, as what has passed since the start; NULL: it has none */
     cns_problem problem; /* of the case; without a sink */
     cns_monitor monitor; /* its progress goes to the meter */
     cns_meter meter;

@@ -126,6 +126,10 @@ char *cns_sweep_study_name(const cns_case *c, const char *what)
     cns_error ignored;
     cns_text_open(&name);
     fprintf(name.file, "%s; end %s, every %s;", what, c->end.text, c->every.text);
+    if (cns_number_sign(&c->start) != 0)
+        fprintf(name.file, " start %s;", c->start.text);
+    for (int i = 0; i < c->n_at; i++)
+        fprintf(name.file, " at %s;", c->at[i].text);
     for (int i = 0; i < c->n_columns; i++)
         fprintf(name.file, " %s", cns_case_column_name(c, i));
     if (c->has_goal)

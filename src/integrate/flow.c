@@ -180,7 +180,8 @@ static cns_code mismatch(const cns_flow *f, int i, cns_error *err)
         err, CNS_NUMERIC,
         "t = %.12g: the derivative of %s differs from the right-hand side by %s, more than the %s "
         "that rounding and truncation allow: a wrong branch of abs() or sqrt(), or a wrong constant",
-        mpfr_get_d(f->t1, MPFR_RNDN), cns_state_name(f->spec.program, i), difference, tolerance);
+        cns_program_time(f->spec.program, mpfr_get_d(f->t1, MPFR_RNDN)), cns_state_name(f->spec.program, i),
+        difference, tolerance);
 }
 
 /* The derivative of the dense output at the end of the step against f evaluated there with true abs() and
@@ -261,7 +262,7 @@ static bool step_is_too_large(const cns_flow *f)
 static cns_code failed(const cns_flow *f, cns_code code, const char *what, const char *otherwise,
                        cns_error *err)
 {
-    const double t = mpfr_get_d(f->t0, MPFR_RNDN);
+    const double t = cns_program_time(f->spec.program, mpfr_get_d(f->t0, MPFR_RNDN));
     if (code != CNS_NUMERIC || !step_is_too_large(f))
         return cns_fail(err, code, "t = %.12g: %s%s", t, what, otherwise);
     return cns_fail(err, code,

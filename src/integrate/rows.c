@@ -30,24 +30,42 @@ long cns_last_multiple(const cns_number *every, const cns_number *end)
     return last;
 }
 
-static bool is_decimal(const cns_number *x)
+void cns_time_form_init(cns_time_form *f)
 {
-    char *text = cns_text_exact(x->ratio);
+    mpz_init(f->denominator);
+    f->decimals = 0;
+    f->fractions = false;
+}
+
+static bool is_decimal(mpq_srcptr x)
+{
+    char *text = cns_text_exact(x);
     free(text);
     return text != NULL;
 }
 
-void cns_time_form_init(cns_time_form *f, const cns_number *every, const cns_number *end)
+static void add_denominator(cns_time_form *f, mpz_srcptr denominator)
 {
-    const bool between = cns_number_cmp(every, end) < 0; /* is there a row at `every`? */
-    mpz_init(f->denominator);
-    f->decimals = 0;
-    if (is_decimal(end) && (!between || is_decimal(every)))
+    if (mpz_cmp(denominator, f->denominator) <= 0)
         return;
-    mpz_set(f->denominator, mpq_denref(end->ratio));
-    if (between && mpz_cmp(mpq_denref(every->ratio), f->denominator) > 0)
-        mpz_set(f->denominator, mpq_denref(every->ratio));
+    mpz_set(f->denominator, denominator);
     f->decimals = cns_fraction_decimals(f->denominator);
+}
+
+void cns_time_form_add(cns_time_form *f, mpq_srcptr time)
+{
+    f->fractions = f->fractions || !is_decimal(time);
+    add_denominator(f, mpq_denref(time));
+}
+
+void cns_time_form_add_grid(cns_time_form *f, mpq_srcptr start, mpq_srcptr every)
+{
+    mpz_t common;
+    mpz_init(common);
+    mpz_lcm(common, mpq_denref(start), mpq_denref(every));
+    f->fractions = f->fractions || !is_decimal(start) || !is_decimal(every);
+    add_denominator(f, common);
+    mpz_clear(common);
 }
 
 void cns_time_form_clear(cns_time_form *f)

@@ -15,11 +15,16 @@ long cns_last_multiple(const cns_number *every, const cns_number *end);
  * decimals as they are, and others rounded to so many decimals that their text is nearest to them among all
  * fractions with a denominator up to that of the times (num/fraction.h). */
 typedef struct cns_time_form {
-    mpz_t denominator; /* no time has a larger one; 0: all are finite decimals */
+    bool fractions;    /* not all are finite decimals */
+    mpz_t denominator; /* no time has a larger one */
     long decimals;
 } cns_time_form;
 
-void cns_time_form_init(cns_time_form *f, const cns_number *every, const cns_number *end);
+/* The form of no time yet, and of one more. */
+void cns_time_form_init(cns_time_form *f);
+void cns_time_form_add(cns_time_form *f, mpq_srcptr time);
+/* Of all from `start` on, `every` away from each other: a denominator that none of them exceeds. */
+void cns_time_form_add_grid(cns_time_form *f, mpq_srcptr start, mpq_srcptr every);
 void cns_time_form_clear(cns_time_form *f);
 char *cns_time_text(const cns_time_form *f, mpq_srcptr time); /* a new text */
 

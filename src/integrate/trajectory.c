@@ -223,7 +223,8 @@ static cns_code look_at_pace(cns_trajectory *t, cns_error *err)
     return cns_fail(err, CNS_USAGE,
                     "t = %.12g: with steps of %.1e, more than %.0e up to t = %g, the run does not end; with "
                     "max_time it goes as far as it comes",
-                    now, passed / (double)between, t->spec.most_steps, t->spec.end);
+                    cns_program_time(t->spec.flow.program, now), passed / (double)between, t->spec.most_steps,
+                    cns_program_time(t->spec.flow.program, t->spec.end));
 }
 
 cns_code cns_trajectory_step(cns_trajectory *t, cns_error *err)

@@ -846,7 +846,7 @@ cns_code cns_tube_follow(cns_tube *t, const cns_flow *f, cns_error *err)
     const cns_code code = follow(t, f, J, &why);
     if (code)
         cns_fail(err, code, "no bound of the error beyond t = %.12g: %s",
-                 mpfr_get_d(cns_flow_begin(f), MPFR_RNDN), why.text);
+                 cns_program_time(t->p, mpfr_get_d(cns_flow_begin(f), MPFR_RNDN)), why.text);
     return code;
 }
 

@@ -112,6 +112,7 @@ cns_code cns_case_parse(const char *name, const char *text, size_t length, const
     cns_yaml_node *root = cns_yaml_parse(text, length, &r.faults);
     cns_case *c = cns_xalloc(1, sizeof *c);
     for_numbers(c, cns_number_init);
+    cns_number_init(&c->span);
     c->name = cns_text_printable(name);
     c->text = cns_xcopy_n(text, length);
     c->length = length;
@@ -213,6 +214,8 @@ void cns_case_free(cns_case *c)
         free_numbers(c->initial, c->model->n_states);
     }
     for_numbers(c, cns_number_clear);
+    cns_number_clear(&c->span);
+    free_numbers(c->at, c->n_at);
     free(c->columns);
     free(c->overrides);
     free(c->text);
@@ -251,6 +254,14 @@ static void print_columns(const cns_case *c, const cns_key *k, FILE *out)
     fprintf(out, "%s%s: [", cns_key_indent(k), cns_key_name(k));
     for (int i = 0; i < c->n_columns; i++)
         fprintf(out, "%s%s", i > 0 ? ", " : "", cns_case_column_name(c, i));
+    fputs("]\n", out);
+}
+
+static void print_times(const cns_case *c, const cns_key *k, FILE *out)
+{
+    fprintf(out, "%s%s: [", cns_key_indent(k), cns_key_name(k));
+    for (int i = 0; i < c->n_at; i++)
+        fprintf(out, "%s%s", i > 0 ? ", " : "", c->at[i].text);
     fputs("]\n", out);
 }
 
@@ -304,5 +315,7 @@ void cns_case_print(const cns_case *c, FILE *out)
             print_numbers(c, k, out);
         else if (k->kind == KEY_COLUMNS)
             print_columns(c, k, out);
+        else if (k->kind == KEY_TIMES && c->at != NULL)
+            print_times(c, k, out);
     }
 }

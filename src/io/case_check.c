@@ -365,6 +365,41 @@ static bool read_columns(cns_case_reader *r, const cns_key *k, const cns_yaml_no
     return true;
 }
 
+static bool refuse_time(cns_case_reader *r, const cns_yaml_node *node, const char *why)
+{
+    cns_faults_add(&r->faults, node->mark, "a time must be a decimal or a fraction; %s", why);
+    return false;
+}
+
+static bool read_times(cns_case_reader *r, const cns_key *k, const cns_yaml_node *list)
+{
+    cns_case *c = r->c;
+    int n = 0;
+    bool good = list->kind == CNS_YAML_SEQUENCE && list->first != NULL;
+    if (!good)
+        cns_faults_add(&r->faults, list->mark, "%s must be a list of times, such as [0.5, 2/3, 10]",
+                       cns_key_title(k).text);
+    for (const cns_yaml_node *node = good ? list->first : NULL; node != NULL; node = node->next)
+        n++;
+    if (good && n > CNS_CASE_MAX_ROWS) {
+        cns_faults_add(&r->faults, list->mark, "more than %d times", CNS_CASE_MAX_ROWS);
+        return false;
+    }
+    c->at = good ? cns_xalloc((size_t)n, sizeof *c->at) : NULL;
+    for (const cns_yaml_node *node = good ? list->first : NULL; node != NULL; node = node->next) {
+        cns_error err;
+        cns_number *x = &c->at[c->n_at++];
+        cns_number_init(x);
+        if (node->refused || !is_a(r, node, CNS_YAML_SCALAR, "a time", "a number"))
+            good = false;
+        else if (cns_number_parse(x, node->text, &err) != CNS_OK)
+            good = refuse_time(r, node, err.text);
+        else if (x->pi_power != 0)
+            good = refuse_time(r, node, "a multiple of pi is none");
+    }
+    return good;
+}
+
 /* Sections. */
 
 static void check_keys(cns_case_reader *r, const cns_key *section, const cns_yaml_node *mapping);
@@ -385,6 +420,12 @@ static bool could_be(const cns_key *k, const char *text)
     return good;
 }
 
+static bool list_could_be(const cns_key *k, const cns_yaml_node *list)
+{
+    return k->kind == KEY_COLUMNS ||
+           (k->kind == KEY_TIMES && list->first != NULL && list->first->kind == CNS_YAML_SCALAR);
+}
+
 /* A value right behind the name of a section, as in `time: 300`, most often belongs to its first key that can
  * take it: a fault that says so. False, and no fault: there is no such key. */
 static bool value_for_section(cns_case_reader *r, const cns_key *section, const cns_yaml_node *node)
@@ -393,7 +434,7 @@ static bool value_for_section(cns_case_reader *r, const cns_key *section, const 
         return false;
     for (const cns_key *k = cns_keys; k < cns_keys + CNS_KEYS; k++) {
         const bool list = node->kind == CNS_YAML_SEQUENCE;
-        if (cns_key_section(k) != section || (list ? k->kind != KEY_COLUMNS : !could_be(k, node->text)))
+        if (cns_key_section(k) != section || (list ? !list_could_be(k, node) : !could_be(k, node->text)))
             continue;
         cns_faults_add(&r->faults, node->mark, "%s must be a mapping of keys to values: write '%s: {%s: %s}'",
                        cns_key_title(section).text, cns_key_name(section), cns_key_name(k),
@@ -431,6 +472,8 @@ static bool read_key(cns_case_reader *r, const cns_key *k, const cns_yaml_node *
         return read_numbers(r, k, node);
     case KEY_COLUMNS:
         return read_columns(r, k, node);
+    case KEY_TIMES:
+        return read_times(r, k, node);
     default:
         return read_value(r, k, node);
     }

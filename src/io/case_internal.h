@@ -20,6 +20,7 @@ typedef enum cns_key_kind {
     KEY_PARAMETERS, /* mapping from the model's parameters to numbers */
     KEY_INITIAL,    /* mapping from the model's states to numbers */
     KEY_COLUMNS,    /* list of t, states and outputs of the model */
+    KEY_TIMES,      /* list of rational numbers */
     /* single values with a range: */
     KEY_STATE,     /* name of a state, or one of the words; the field holds its index */
     KEY_PARAMETER, /* name of a parameter; the field holds its index */

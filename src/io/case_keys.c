@@ -17,6 +17,16 @@ static bool has_tolerance(const cns_case *c)
     return c->numerics.method != CNS_METHOD_RK4;
 }
 
+static bool begins_elsewhere(const cns_case *c)
+{
+    return cns_number_sign(&c->start) != 0;
+}
+
+static bool has_no_list(const cns_case *c)
+{
+    return c->at == NULL;
+}
+
 /* clang-format off */
 
 /* The field of cns_case that holds the value of a key: its offset and its type. */

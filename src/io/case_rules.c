@@ -1,5 +1,6 @@
 /* Rules between keys: what must be given, what excludes what, and values that follow from those of others. */
 #include "case_internal.h"
+#include "core/text.h"
 #include "integrate/numerics.h"
 
 #define TEXT_OF(x)  #x
@@ -87,12 +88,53 @@ static void parameters_without_default(cns_case_reader *r)
                            m->name);
 }
 
+/* Times of rows must go away from the start, in one direction. */
+static bool list_of_times(cns_case_reader *r)
+{
+    cns_case *c = r->c;
+    const cns_key_id other = present(r, K_TIME_END) ? K_TIME_END : K_TIME_EVERY;
+    if (present(r, other))
+        cns_faults_add(&r->faults, key_place(r, other),
+                       "%s does not go with 'at', which lists the times of all rows",
+                       cns_key_title(key(other)).text);
+    if (!given(r, K_TIME_AT))
+        return false;
+    const int way = cns_number_cmp(&c->at[c->n_at - 1], &c->start);
+    const cns_number *before = &c->start;
+    for (int i = 0; i < c->n_at; i++) {
+        const int order = cns_number_cmp(&c->at[i], before);
+        if (way == 0 || (order != way && (i > 0 || order != 0))) {
+            cns_faults_add(&r->faults, place_of(r, K_TIME_AT),
+                           "the times of 'at' must go away from the start in one direction: %s does not",
+                           cns_quote(c->at[i].text).text);
+            return false;
+        }
+        before = &c->at[i];
+    }
+    cns_number_set(&c->end, before);
+    return true;
+}
+
 static void rows_of_table(cns_case_reader *r)
 {
     cns_case *c = r->c;
-    if (given(r, K_TIME_END) && !given(r, K_TIME_EVERY))
-        cns_number_set(&c->every, &c->end);
-    if (given(r, K_TIME_END) && quotient_above(&c->end, &c->every, CNS_CASE_MAX_ROWS))
+    const bool listed = present(r, K_TIME_AT);
+    if (!r->seen[K_TIME].good)
+        return;
+    if (!listed)
+        require(r, K_TIME_END);
+    if (listed ? !list_of_times(r) : !given(r, K_TIME_END))
+        return;
+    cns_number_set(&c->span, &c->end);
+    mpq_sub(c->span.ratio, c->end.ratio, c->start.ratio);
+    c->backwards = mpq_sgn(c->span.ratio) < 0;
+    mpq_abs(c->span.ratio, c->span.ratio);
+    if (mpq_sgn(c->span.ratio) == 0)
+        cns_faults_add(&r->faults, place_of(r, K_TIME_END), "'end' in 'time' must differ from the start, %s",
+                       cns_quote(c->start.text).text);
+    if (!given(r, K_TIME_EVERY))
+        cns_number_set(&c->every, &c->span);
+    if (quotient_above(&c->span, &c->every, CNS_CASE_MAX_ROWS))
         cns_faults_add(&r->faults, place_of(r, K_TIME_EVERY),
                        "'every' in 'time' makes more than %d rows up to the end", CNS_CASE_MAX_ROWS);
 }
@@ -191,7 +233,7 @@ static void numerics(cns_case_reader *r)
         cns_faults_add(&r->faults, place_of(r, K_NUMERICS_ORDER),
                        "'order' is at most %d with 'arithmetic: double'", CNS_DOUBLE_MAX_ORDER);
     }
-    if (fixed_step && given(r, K_TIME_END) && quotient_above(&r->c->end, &n->step, LIMIT_STEPS))
+    if (fixed_step && cns_number_sign(&r->c->span) > 0 && quotient_above(&r->c->span, &n->step, LIMIT_STEPS))
         cns_faults_add(&r->faults, place_of(r, K_NUMERICS_STEP),
                        "'step' makes more than " TEXT_OF2(LIMIT_STEPS) " steps up to the end");
 }

@@ -30,6 +30,8 @@ static void print_values(FILE *out, const cns_case *c)
     fprintf(out, "\n# initial:");
     for (int i = 0; i < m->n_states; i++)
         fprintf(out, "%s %s = %s", i > 0 ? "," : "", m->states[i].name, c->initial[i].text);
+    if (cns_number_sign(&c->start) != 0)
+        fprintf(out, "\n# start: t = %s", c->start.text);
     if (c->smooth)
         fprintf(out, "\n# abs: sqrt(a^2 + eps^2), eps = %s\n", c->eps.text);
     else

@@ -59,8 +59,15 @@ static void print_numerics(FILE *out, const cns_case *c, long digits, mpfr_prec_
 static void print_times(FILE *out, const cns_case *c)
 {
     cns_time_form form;
-    cns_time_form_init(&form, &c->every, &c->end);
-    if (mpz_sgn(form.denominator) != 0)
+    cns_time_form_init(&form);
+    cns_time_form_add(&form, c->end.ratio);
+    for (int i = 0; i < c->n_at; i++)
+        cns_time_form_add(&form, c->at[i].ratio);
+    if (c->at == NULL && cns_number_cmp(&c->every, &c->span) < 0)
+        cns_time_form_add_grid(&form, c->start.ratio, c->every.ratio);
+    else if (c->at == NULL)
+        cns_time_form_add(&form, c->start.ratio);
+    if (form.fractions)
         gmp_fprintf(out, "# " CNS_TABLE_TIMES "%Zd\n", form.denominator);
     cns_time_form_clear(&form);
 }

@@ -16,6 +16,8 @@ struct cns_system {
     cns_number *parameters, *initial;
     bool is_smooth;
     cns_number smooth;
+    bool backwards;
+    cns_number start; /* the time of the initial states */
     double *scales;
     cns_program *program;
 };
@@ -29,6 +31,7 @@ static cns_system *blank(const cns_model *m)
                       .initial = cns_xalloc((size_t)m->n_states + 1, sizeof *s->initial),
                       .scales = cns_xalloc((size_t)m->n_states + 1, sizeof *s->scales)};
     cns_number_init(&s->smooth);
+    cns_number_init(&s->start);
     for (int i = 0; i < m->n_parameters; i++)
         cns_number_init(&s->parameters[i]);
     for (int i = 0; i < m->n_states; i++) {
@@ -47,6 +50,7 @@ void cns_system_free(cns_system *s)
     for (int i = 0; i < s->model->n_states; i++)
         cns_number_clear(&s->initial[i]);
     cns_number_clear(&s->smooth);
+    cns_number_clear(&s->start);
     cns_program_free(s->program);
     free(s->parameters);
     free(s->initial);
@@ -96,7 +100,9 @@ static cns_code check(const cns_system *s, cns_error *err)
 /* The system with its program, or NULL when there is none, or when it has failed already. */
 static cns_system *built(cns_system *s, cns_code code, cns_error *err)
 {
-    const cns_program_options options = {.smooth = s->is_smooth ? &s->smooth : NULL};
+    const cns_program_options options = {.smooth = s->is_smooth ? &s->smooth : NULL,
+                                         .backwards = s->backwards,
+                                         .start = cns_number_get_d(&s->start)};
     if (!code)
         code = check(s, err);
     if (!code)
@@ -176,7 +182,39 @@ cns_system *cns_system_with(const cns_system *s, int varied, const cns_number *v
     for (int i = 0; i < s->model->n_states; i++)
         cns_number_set(&other->initial[i], n + i == varied ? value : &s->initial[i]);
     set_smooth(other, cns_system_smooth(s));
+    cns_number_set(&other->start, &s->start);
+    other->backwards = s->backwards;
     return built(other, CNS_OK, err);
+}
+
+cns_system *cns_system_from(const cns_system *s, const cns_number *start, bool backwards, cns_error *err)
+{
+    cns_system *other = blank(s->model);
+    for (int i = 0; i < s->model->n_parameters; i++)
+        cns_number_set(&other->parameters[i], &s->parameters[i]);
+    for (int i = 0; i < s->model->n_states; i++)
+        cns_number_set(&other->initial[i], &s->initial[i]);
+    set_smooth(other, cns_system_smooth(s));
+    cns_number_set(&other->start, start);
+    other->backwards = backwards;
+    const cns_code code =
+        start->pi_power == 0 ? CNS_OK : cns_fail(err, CNS_USAGE, "a start must be rational");
+    return built(other, code, err);
+}
+
+bool cns_system_is_backwards(const cns_system *s)
+{
+    return s->backwards;
+}
+
+const cns_number *cns_system_start(const cns_system *s)
+{
+    return &s->start;
+}
+
+void cns_system_time(const cns_system *s, mpq_t time, mpq_srcptr passed)
+{
+    (s->backwards ? mpq_sub : mpq_add)(time, s->start.ratio, passed);
 }
 
 cns_system *cns_system_smoothed(const cns_system *s, const cns_number *eps, cns_error *err)

@@ -267,7 +267,7 @@ static cns_code run_seconds(const cns_problem *p, const cns_flow_spec *run, long
 cns_code cns_cost_predict(const cns_problem *p, const cns_proof_runs *runs, const cns_tally *tally,
                           cns_run_info *plan, cns_error *err)
 {
-    const double rows = cns_number_get_d(p->end) / cns_number_get_d(cns_every(p));
+    const double rows = cns_problem_rows(p);
     double in_printed[CNS_PLAN_PARTS] = {0}, in_proof[CNS_PLAN_PARTS] = {0};
     double printed, proof = 0, ignored, memory = PROGRAM_BYTES, sum = 0;
     cns_code code = run_seconds(p, &runs->fine, plan->digits, runs->enclosed ? TUBE : NOTHING, tally, rows,
@@ -343,9 +343,9 @@ static cns_code too_many(const cns_problem *p, const cns_flow_spec *run, double 
     }
     return cns_fail(
         err, CNS_USAGE,
-        "with about %.0e steps up to t = %s the run does not end: %s; with max_time it goes as far as "
+        "with about %.0e steps up to t = %g the run does not end: %s; with max_time it goes as far as "
         "it comes",
-        steps, p->end->text, help);
+        steps, cns_problem_time(p, p->end->ratio), help);
 }
 
 /* A run like this one, of fewer digits. */
@@ -365,7 +365,7 @@ static cns_flow_spec with_digits(const cns_flow_spec *run, long digits)
 static cns_code given_seconds(const cns_problem *p, const cns_flow_spec *run, long digits, double steps,
                               follower with, double *seconds, cns_error *err)
 {
-    const double rows = cns_number_get_d(p->end) / cns_number_get_d(cns_every(p));
+    const double rows = cns_problem_rows(p);
     const long asked[] = {MOST_MEASURED * 7 / 10, MOST_MEASURED};
     level l[2];
     int levels = 0;

@@ -108,6 +108,25 @@ int cns_event_partner(const cns_found_list *fine, const cns_found_list *coarse)
     return -1;
 }
 
+/* time = that of the meeting, initialised here, and rounded once where a start is added. */
+static void time_of(const cns_problem *p, const cns_meeting *m, mpfr_t time)
+{
+    mpfr_init2(time, mpfr_get_prec(m->time) + 64);
+    mpfr_set(time, m->time, MPFR_RNDN);
+    if (cns_system_is_backwards(p->system))
+        mpfr_neg(time, time, MPFR_RNDN);
+    mpfr_add_q(time, time, cns_system_start(p->system)->ratio, MPFR_RNDN);
+}
+
+/* That of the change with time: against time it is met from the other side. The derivative changes its sign
+ * both ways alike. */
+static int direction_of(const cns_problem *p, const cns_meeting *m)
+{
+    const bool turned =
+        cns_system_is_backwards(p->system) && p->conditions[m->condition].kind != CNS_CONDITION_EXTREMUM;
+    return turned ? -m->direction : m->direction;
+}
+
 long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_found *coarse,
                       const bool *constant, cns_places places, long most, double *error_log10,
                       mpfr_t time_error)
@@ -138,14 +157,20 @@ long cns_event_places(const cns_problem *p, const cns_found *fine, const cns_fou
     }
     cns_bounded *value = cns_xalloc((size_t)n + 1, sizeof *value);
     int count = 0;
-    value[count++] = (cns_bounded){a->time, time_error};
+    mpfr_t time, rounded; /* of what is printed: a unit of its last bit more, where a start is added */
+    time_of(p, a, time);
+    mpfr_init2(rounded, ERROR_BITS);
+    mpfr_set_ui_2exp(rounded, cns_number_sign(cns_system_start(p->system)) != 0 && mpfr_regular_p(time),
+                     (mpfr_regular_p(time) ? mpfr_get_exp(time) : 0) - mpfr_get_prec(time), MPFR_RNDU);
+    mpfr_add(rounded, rounded, time_error, MPFR_RNDU);
+    value[count++] = (cns_bounded){time, rounded};
     for (int i = 0; i < n; i++) /* zero in both runs is an invariant line, and exact */
         if (i != exact && !constant[i] && !(mpfr_zero_p(a->state[i]) && mpfr_zero_p(b->state[i])))
             value[count++] = (cns_bounded){a->state[i], coarse != NULL ? error : fine->state_error[i]};
     const long found = cns_proof_places(value, count, places, most);
     *error_log10 = cns_log2_mpfr(error) * CNS_LOG10_2;
     free(value);
-    mpfr_clear(error);
+    mpfr_clears(error, time, rounded, (mpfr_ptr)0);
     return found;
 }
 
@@ -158,10 +183,12 @@ cns_code cns_event_tell(const cns_problem *p, const cns_meeting *m, const bool *
                         long count, long digits, cns_error *err)
 {
     const int n = cns_program_states(cns_system_program(p->system));
+    mpfr_t time;
+    time_of(p, m, time);
     cns_event e = {.condition = m->condition,
                    .k = m->k,
-                   .direction = m->direction,
-                   .time = text_of(m->time, places, count, digits),
+                   .direction = direction_of(p, m),
+                   .time = text_of(time, places, count, digits),
                    .state = cns_xalloc((size_t)n + 1, sizeof *e.state),
                    .decimals = count < 0 ? -1 : count};
     for (int i = 0; i < n; i++)
@@ -171,6 +198,7 @@ cns_code cns_event_tell(const cns_problem *p, const cns_meeting *m, const bool *
     cns_code code = p->sink && p->sink->event ? p->sink->event(p->sink->context, &e, err) : CNS_OK;
     for (int i = 0; i < n; i++)
         free(e.state[i]);
+    mpfr_clear(time);
     free(e.state);
     free(e.time);
     return code;

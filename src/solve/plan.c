@@ -199,7 +199,7 @@ cns_code cns_plan(const cns_problem *p, const cns_goal *goal, cns_run_info *plan
     double window = end / WINDOWS, window_start = 0, at_start = 0, sum = 0, sum2 = 0;
     int windows = 0;
     need.growth = cns_trajectory_growth(t);
-    for (unsigned long row = 0; !code && cns_row_time(cns_every(p), p->end, row, time); row++) {
+    for (unsigned long row = 0; !code && cns_problem_row(p, row, time); row++) {
         code = cns_trajectory_at(t, time, &s, &failure);
         if (code)
             break;

@@ -4,6 +4,7 @@
 
 #include "core/memory.h"
 #include "core/monitor.h"
+#include "integrate/rows.h"
 #include "problem.h"
 
 static bool is_time(const cns_number *x)
@@ -13,6 +14,13 @@ static bool is_time(const cns_number *x)
 
 cns_code cns_problem_check(const cns_problem *p, cns_error *err)
 {
+    bool rises = true;
+    for (int i = 0; p->at != NULL && i < p->n_at; i++)
+        rises = rises && p->at[i].pi_power == 0 &&
+                (i > 0 ? cns_number_cmp(&p->at[i - 1], &p->at[i]) < 0 : cns_number_sign(&p->at[i]) >= 0) &&
+                (i < p->n_at - 1 || cns_number_cmp(&p->at[i], p->end) == 0);
+    if (!rises)
+        return cns_fail(err, CNS_USAGE, "a list of times must increase, from 0 or later up to the end");
     if (is_time(p->end) && is_time(cns_every(p)))
         return CNS_OK;
     return cns_fail(err, CNS_USAGE, "the times of rows must be rational and positive");
@@ -33,6 +41,31 @@ cns_column cns_column_at(const cns_problem *p, int i)
 const cns_number *cns_every(const cns_problem *p)
 {
     return p->every != NULL ? p->every : p->end;
+}
+
+bool cns_problem_row(const cns_problem *p, unsigned long row, mpq_t passed)
+{
+    if (p->at == NULL)
+        return cns_row_time(cns_every(p), p->end, row, passed);
+    if (row >= (unsigned long)p->n_at)
+        return false;
+    mpq_set(passed, p->at[row].ratio);
+    return true;
+}
+
+double cns_problem_rows(const cns_problem *p)
+{
+    return p->at != NULL ? p->n_at : cns_number_get_d(p->end) / cns_number_get_d(cns_every(p));
+}
+
+double cns_problem_time(const cns_problem *p, mpq_srcptr passed)
+{
+    mpq_t time;
+    mpq_init(time);
+    cns_system_time(p->system, time, passed);
+    const double t = mpq_get_d(time);
+    mpq_clear(time);
+    return t;
 }
 
 cns_places cns_goal_places(const cns_goal *goal)

@@ -5,7 +5,6 @@
 #include <time.h>
 
 #include "core/monitor.h"
-#include "integrate/rows.h"
 #include "problem.h"
 
 enum { RING = 16 };
@@ -35,7 +34,7 @@ static cns_code make(cns_ahead *a, cns_error *err)
 {
     mpq_t time;
     mpq_init(time);
-    cns_row_time(cns_every(a->p), a->p->end, a->row, time);
+    cns_problem_row(a->p, a->row, time);
     cns_code code = cns_trajectory_at(a->t, time, &a->ring[a->made % RING].sample, err);
     if (!code && mpq_equal(time, a->p->end->ratio))
         code = cns_trajectory_tell_rest(a->t, err);
@@ -55,7 +54,7 @@ static void *work(void *context)
     while (!a->code) {
         while (a->made - a->used >= RING - 1 && !a->halt)
             pthread_cond_wait(&a->changed, &a->lock);
-        if (a->halt || !cns_row_time(cns_every(a->p), a->p->end, a->row, time))
+        if (a->halt || !cns_problem_row(a->p, a->row, time))
             break;
         pthread_mutex_unlock(&a->lock);
         cns_code code = make(a, &err);

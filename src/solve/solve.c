@@ -36,7 +36,8 @@ typedef struct walk {
     const cns_sample *c; /* the coarse run's */
     long digits;         /* printed without a proof: those of the arithmetic */
     bool explain;        /* compare the difference with noise times growth */
-    mpq_t time;
+    mpq_t time;          /* passed since the start */
+    mpq_t now;           /* scratch: the time itself */
     cns_time_form times;
     bool enclosed, proof; /* by an enclosure; by that or by the coarser run */
     mpfr_t *error;        /* per column, and the largest: e */
@@ -117,7 +118,7 @@ static cns_code walk_to(walk *w, cns_error *err)
     }
     code = cns_ahead_next(w->coarse, &w->c, &w->found_again, err);
     if (!code && w->explain)
-        code = cns_proof_explained(w->p, &w->s, w->c, mpq_get_d(w->time), err);
+        code = cns_proof_explained(w->p, &w->s, w->c, cns_problem_time(w->p, w->time), err);
     if (code)
         return code;
     const double noise = w->c->error_log2;
@@ -203,7 +204,7 @@ static bool is_fresh_tie(const walk *w, demand *d)
         fresh = fresh || !d->tied[i];
         d->tied[i] = true;
         d->tie = d->tie == -1 || d->tie == i ? i : -2;
-        d->tie_time = mpq_get_d(w->time);
+        d->tie_time = cns_problem_time(w->p, w->time);
     }
     return fresh;
 }
@@ -220,7 +221,8 @@ static void write_texts(walk *w, cns_places places, long count)
     for (int i = 0; i < cns_columns(w->p); i++) {
         const cns_column c = cns_column_at(w->p, i);
         if (c.kind == CNS_COLUMN_TIME) {
-            set_text(w, i, cns_time_text(&w->times, w->time));
+            cns_system_time(w->p->system, w->now, w->time);
+            set_text(w, i, cns_time_text(&w->times, w->now));
         } else if (count < 0) {
             set_text(w, i, cns_text_digits(value(w, i), w->digits));
         } else if (w->own[i] >= 0) {
@@ -271,7 +273,7 @@ static cns_code emit(walk *w, cns_places places, long count, cns_result *result,
     if (w->proof && (result->rows == 0 || out.decimals < result->decimals))
         result->decimals = out.decimals;
     result->rows++;
-    result->end = mpq_get_d(w->time);
+    result->end = cns_problem_time(w->p, w->time);
     return sink && sink->row ? sink->row(sink->context, &out, err) : CNS_OK;
 }
 
@@ -288,10 +290,11 @@ static double work_done(const cns_run_info *run, double time)
 
 static void progress(const walk *w, const cns_result *result)
 {
-    const double t = mpq_get_d(w->time), end = cns_number_get_d(w->p->end);
     char what[128];
-    snprintf(what, sizeof what, "t = %g of %g, %ld digits", t, end, result->run.digits);
-    cns_monitor_tell(w->p->monitor, work_done(&result->run, t / end), what);
+    snprintf(what, sizeof what, "t = %g of %g, %ld digits", cns_problem_time(w->p, w->time),
+             cns_problem_time(w->p, w->p->end->ratio), result->run.digits);
+    cns_monitor_tell(w->p->monitor, work_done(&result->run, mpq_get_d(w->time) / cns_number_get_d(w->p->end)),
+                     what);
 }
 
 static void describe(cns_run_info *info, const cns_proof_runs *runs)
@@ -307,6 +310,23 @@ static void describe(cns_run_info *info, const cns_proof_runs *runs)
     info->kernel = arithmetic == CNS_ARITH_FAST     ? cns_fast_kernel_name()
                    : arithmetic == CNS_ARITH_DOUBLE ? "double"
                                                     : "mpfr";
+}
+
+static void set_time_form(walk *w)
+{
+    const cns_problem *p = w->p;
+    const mpq_srcptr start = cns_system_start(p->system)->ratio;
+    cns_time_form_init(&w->times);
+    cns_system_time(p->system, w->now, p->end->ratio);
+    cns_time_form_add(&w->times, w->now);
+    for (int i = 0; p->at != NULL && i < p->n_at; i++) {
+        cns_system_time(p->system, w->now, p->at[i].ratio);
+        cns_time_form_add(&w->times, w->now);
+    }
+    if (p->at == NULL && cns_number_cmp(cns_every(p), p->end) < 0)
+        cns_time_form_add_grid(&w->times, start, cns_every(p)->ratio);
+    else if (p->at == NULL)
+        cns_time_form_add(&w->times, start);
 }
 
 /* To be closed whatever is returned. */
@@ -331,8 +351,8 @@ static cns_code walk_open(walk *w, const cns_problem *p, const cns_proof_runs *r
                 .proof = runs->enclosed || runs->proof,
                 .explain = runs->proof && runs->coarse.method == CNS_METHOD_TAYLOR,
                 .digits = runs->fine.arithmetic == CNS_ARITH_DOUBLE ? DOUBLE_PRINTED : runs->fine_digits};
-    mpq_inits(w->time, w->before, (mpq_ptr)0);
-    cns_time_form_init(&w->times, cns_every(p), p->end);
+    mpq_inits(w->time, w->now, w->before, (mpq_ptr)0);
+    set_time_form(w);
     w->error = cns_vector_xnew(cns_columns(p) + 1, ERROR_BITS);
     w->found.n_states = cns_program_states(cns_system_program(p->system));
     result->events_end = (cns_error){0};
@@ -377,7 +397,7 @@ static void walk_close(walk *w, cns_result *result)
     cns_sample_clear(&w->s);
     cns_found_clear(&w->found);
     cns_found_clear(&w->found_again);
-    mpq_clears(w->time, w->before, (mpq_ptr)0);
+    mpq_clears(w->time, w->now, w->before, (mpq_ptr)0);
     cns_time_form_clear(&w->times);
     cns_vector_free(w->error);
     for (int i = 0; i < cns_columns(w->p); i++)
@@ -454,7 +474,7 @@ static bool prove_event(walk *w, demand *d, long *places, mpfr_t until, cns_resu
         cns_fail(&result->events_end, CNS_UNREACHED,
                  "%s the event at t = %.12g, or it cannot be told from the start or the event before",
                  w->enclosed ? "nothing is proven of" : "the two runs do not agree on",
-                 mpfr_get_d(f->m.time, MPFR_RNDN));
+                 cns_program_time(cns_system_program(w->p->system), mpfr_get_d(f->m.time, MPFR_RNDN)));
         return false;
     }
     if (!w->enclosed)
@@ -495,7 +515,7 @@ static cns_code go(walk *w, demand *d, cns_result *result, cns_error *err)
     cns_code code = CNS_OK;
     d->few_events = false;
     d->missing = 0;
-    while (!code && cns_row_time(cns_every(p), p->end, d->row, w->time)) {
+    while (!code && cns_problem_row(p, d->row, w->time)) {
         long places = -1;
         code = walk_to(w, err);
         if (!code)
@@ -515,7 +535,7 @@ static cns_code go(walk *w, demand *d, cns_result *result, cns_error *err)
             if (places < 0)
                 return cns_fail(err, CNS_UNREACHED,
                                 "no decimal can be proven from t = %.12g on with %ld digits",
-                                mpq_get_d(w->time), result->run.digits);
+                                cns_problem_time(p, w->time), result->run.digits);
             d->few_rows = d->few_rows || places < d->count || tie >= 0;
             d->few_beside = d->few_beside || places < d->count;
         }
@@ -542,7 +562,8 @@ static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_sc
         code = go(&w, d, result, err);
     if (code == CNS_STOPPED && (cns_trajectory_late(w.fine) || (w.coarse && cns_ahead_late(w.coarse))))
         code = cns_fail(err, CNS_UNREACHED, "max_time of %g s is used up at t = %.12g", goal->max_time,
-                        mpfr_get_d(cns_flow_end(cns_trajectory_flow(w.fine)), MPFR_RNDN));
+                        cns_program_time(cns_system_program(p->system),
+                                         mpfr_get_d(cns_flow_end(cns_trajectory_flow(w.fine)), MPFR_RNDN)));
     *unbounded = code && w.fine && cns_trajectory_unbounded(w.fine);
     d->passed = w.told > d->passed ? w.told : d->passed;
     walk_close(&w, result);

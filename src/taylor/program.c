@@ -47,6 +47,8 @@ cns_program *cns_program_new(int n_states, int n_parameters, const cns_number *p
         cns_program_free(p);
         return NULL;
     }
+    p->backwards = options != NULL && options->backwards;
+    p->start = options != NULL ? options->start : 0;
     p->n_states = n_states;
     for (int i = 0; i < n_states; i++) {
         char name[32];
@@ -60,6 +62,11 @@ cns_program *cns_program_new(int n_states, int n_parameters, const cns_number *p
         cns_number_set(&p->smooth, options->smooth);
     }
     return p;
+}
+
+double cns_program_time(const cns_program *p, double passed)
+{
+    return p->backwards ? p->start - passed : p->start + passed;
 }
 
 void cns_program_free(cns_program *p)

@@ -128,6 +128,8 @@ cns_code cns_program_finish(cns_program *p, cns_error *err)
         if (p->derivative[i] < 0)
             cns_fail(&p->error, CNS_NUMERIC, "state %d has no derivative", i);
     if (!p->error.code && !p->finished) {
+        for (int i = 0; i < p->n_states && p->backwards; i++)
+            p->derivative[i] = cns_neg(p, p->derivative[i]);
         mark_needed(p);
         if (!mark_dynamic(p) || !find_watched(p))
             cns_out_of_memory(&p->error);

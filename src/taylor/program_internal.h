@@ -21,7 +21,8 @@ struct cns_program {
     cns_number *parameters;
     cns_number *constants;
     cns_number smooth; /* eps of smoothed abs */
-    bool is_smooth;
+    bool is_smooth, backwards;
+    double start;
     cns_program_node *node;
     int n_nodes, nodes_capacity, constants_capacity, outputs_capacity;
     int *hash; /* a table of nodes, to find equal ones: node index + 1, or 0; open addressing */

@@ -24,12 +24,14 @@ typedef struct side {
     cns_exact_decimal value;
     bool begun, more;
     long count;
+    int *way; /* of both sides: 1, times increase; -1, they decrease; 0, not known yet */
 } side;
 
 typedef struct comparison {
     const cns_compare_spec *spec;
     cns_compare_result *r;
     side a, b;
+    int way;
     column *column;
     long *each;
     mpz_t d, left, right;
@@ -164,8 +166,12 @@ static cns_code advance(side *s, cns_error *err)
     if (code || !s->more)
         return code;
     const char *why = read_time(s, s->time, time_text(s));
-    if (!why && s->begun && mpq_cmp(s->time, s->before) <= 0)
-        why = "times must increase";
+    if (!why && s->begun) {
+        const int way = mpq_cmp(s->time, s->before) > 0 ? 1 : mpq_cmp(s->time, s->before) < 0 ? -1 : 0;
+        *s->way = *s->way != 0 ? *s->way : way;
+        if (way == 0 || way != *s->way)
+            why = *s->way < 0 ? "times must go on decreasing" : "times must increase";
+    }
     if (why)
         return rows->refuse(rows->context, rows->time, why, err);
     s->begun = true;
@@ -325,7 +331,11 @@ static cns_code merge(comparison *c, cns_error *err)
     if (!code)
         code = advance(&c->b, err);
     while (!code && (c->a.more || c->b.more)) {
-        const int order = !c->b.more ? -1 : !c->a.more ? 1 : mpq_cmp(c->a.time, c->b.time);
+        int order = !c->b.more ? -1 : !c->a.more ? 1 : mpq_cmp(c->a.time, c->b.time);
+        if (c->a.more && c->b.more && order != 0) {
+            c->way = c->way != 0 ? c->way : 1; /* tables against time begin at the same one */
+            order *= c->way;
+        }
         if (order != 0) {
             code = skip(c, order < 0 ? &c->a : &c->b, err);
             continue;
@@ -345,6 +355,7 @@ cns_code cns_compare(const cns_compare_spec *spec, cns_compare_result *result, c
     *result = (cns_compare_result){0};
     side_init(&c.a, spec->a);
     side_init(&c.b, spec->b);
+    c.a.way = c.b.way = &c.way;
     mpz_inits(c.d, c.left, c.right, (mpz_ptr)0);
     mpfr_inits2(PREC, c.norm, c.term, c.power, c.delta, (mpfr_ptr)0);
     cns_number_get_mpfr(c.delta, spec->delta);
