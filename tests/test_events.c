@@ -297,7 +297,7 @@ START_TEST(where_the_runs_disagree_events_end)
                      "4",
                      {{0, "0.9999999999999999999999999", NULL}, {0, "1/2", NULL}},
                      2};
-    const cns_goal goal = {.decimals = 4, .max_digits = 40};
+    const cns_goal goal = {.decimals = 4, .max_digits = 40, .proof = CNS_PROOF_TWO_RUNS};
     events e;
     run(&e, &t, 1, &goal, NULL, false);
     ck_assert_int_eq(e.code, CNS_UNREACHED);

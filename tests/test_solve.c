@@ -395,7 +395,8 @@ END_TEST
 START_TEST(too_few_digits_are_honest)
 {
     table t;
-    solve(&t, CASE4 "time: {end: 10, every: 1}\ngoal: {decimals: 30, max_digits: 40}\n", false, NULL);
+    solve(&t, CASE4 "time: {end: 10, every: 1}\ngoal: {decimals: 30, max_digits: 40, proof: two-runs}\n",
+          false, NULL);
     ck_assert_int_eq(t.code, CNS_UNREACHED);
     ck_assert_int_le(t.result.run.digits, 40);
     ck_assert_int_eq(t.rows, 11);
@@ -412,7 +413,8 @@ END_TEST
 START_TEST(too_few_digits_for_significant_ones)
 {
     table t;
-    solve(&t, CASE4 "time: {end: 4, every: 1}\ngoal: {significant: 30, max_digits: 40}\n", false, NULL);
+    solve(&t, CASE4 "time: {end: 4, every: 1}\ngoal: {significant: 30, max_digits: 40, proof: two-runs}\n",
+          false, NULL);
     ck_assert_int_eq(t.code, CNS_UNREACHED);
     ck_assert_int_eq(t.rows, 5);
     for (int r = 1; r < t.rows; r++) {

@@ -15,8 +15,8 @@
  * distance has an extremum and is there below the noise of the step: then direction is 0. Two crossings whose
  * excursion is below that noise are such a touch, too.
  *
- * These meetings are those of one run. Whether their digits are right a second run tells: give the conditions
- * to a problem of cns/solve.h. */
+ * These meetings are those of one run. Whether their digits are right a proof tells: give the conditions to
+ * a problem of cns/solve.h. */
 #ifndef CNS_EVENTS_H
 #define CNS_EVENTS_H
 

@@ -1,14 +1,17 @@
 /* Whole trajectories, as rows and events: by a goal, or by given numerics with or without a proof.
  *
- * Proof is Clean Numerical Simulation's own criterion, convergence under refinement, strengthened; it is not
- * interval arithmetic. Every value is computed by two runs that differ in precision (by at least one limb),
- * order, safety factor and hence every step, with every constant converted anew from its text. The finer run
- * is told. Its error is at most e, which is 16 times the largest difference of the two runs in any state or
- * derived quantity, or 16 times what the measured growth makes of the coarser run's noise, whichever is
- * larger: a text is proven when value - e and value + e both have it. Two more checks make an error of the
- * program, rather than chaos, show itself: the difference must be explained by noise times measured growth,
- * and after every step of both runs the derivative of the series must be the right-hand side evaluated
- * pointwise. */
+ * A goal is proven by an enclosure: bounds of the error of the one run, rounded up, which are theorems
+ * (src/integrate/tube.h has the method, and says on what they rest). A text is proven when value - e and
+ * value + e both have it, e being the bound of that value.
+ *
+ * Where there is no enclosure, or on demand, proof is Clean Numerical Simulation's own criterion, convergence
+ * under refinement, strengthened: strong evidence, and no theorem. Every value is computed by two runs that
+ * differ in precision (by at least one limb), order, safety factor and hence every step, with every constant
+ * converted anew from its text. The finer run is told. Its error is at most e, which is 16 times the largest
+ * difference of the two runs in any state or derived quantity, or 16 times what the measured growth makes of
+ * the coarser run's noise, whichever is larger. Two more checks make an error of the program, rather than
+ * chaos, show itself: the difference must be explained by noise times measured growth, and after every step
+ * of both runs the derivative of the series must be the right-hand side evaluated pointwise. */
 #ifndef CNS_SOLVE_H
 #define CNS_SOLVE_H
 
@@ -31,10 +34,10 @@ typedef struct cns_column {
 
 /* How decimals are proven. */
 typedef enum cns_proof_kind {
-    CNS_PROOF_TWO_RUNS, /* by a second run of other precision, order and steps, and the measured growth of
-                           noise */
-    CNS_PROOF_ENCLOSURE /* by bounds of the error of the one run, which are theorems; from where on there is
-                           no such bound, by two runs */
+    CNS_PROOF_ENCLOSURE, /* by bounds of the error of the one run, which are theorems; from where on there is
+                            no such bound, by two runs */
+    CNS_PROOF_TWO_RUNS   /* by a second run of other precision, order and steps, and the measured growth of
+                            noise */
 } cns_proof_kind;
 
 typedef struct cns_goal {
@@ -53,7 +56,7 @@ typedef struct cns_run_info {
     mpfr_prec_t prec;
     int order;
     bool enclosed;     /* the proof is an enclosure: the following three are 0 */
-    char why_not[256]; /* where an enclosure has ended, and two runs go on: why; else empty */
+    char why_not[256]; /* in the attempt that follows an enclosure that has ended: why it has; else empty */
     long proof_digits; /* of the coarser run; 0: no proof by two runs */
     mpfr_prec_t proof_prec;
     int proof_order;

@@ -59,7 +59,7 @@ static void print_text(FILE *out, const cns_context *cx, const void *result)
     fprintf(out, "steps    about %.0f\n", plan->steps);
     fprintf(out, "memory   about %.1f MB\n", plan->memory / 1e6);
     fprintf(out, "time     about %.*f s, %s\n", plan->seconds < 10 ? 2 : 0, plan->seconds,
-            p->monitor->threads > 1 ? "two threads" : "one thread");
+            !plan->enclosed && p->monitor->threads > 1 ? "two threads" : "one thread");
 }
 
 static void print_yaml(cns_summary *s, const cns_context *cx, const void *result)
@@ -75,7 +75,7 @@ static void print_yaml(cns_summary *s, const cns_context *cx, const void *result
     cns_summary_long(s, "proof_digits", plan->proof_digits);
     cns_summary_number(s, "growth", plan->growth, 4);
     cns_summary_number(s, "margin", plan->margin, 3);
-    cns_summary_long(s, "threads", p->monitor->threads > 1 ? 2 : 1);
+    cns_summary_long(s, "threads", !plan->enclosed && p->monitor->threads > 1 ? 2 : 1);
 }
 
 static const cns_view view = {.text = print_text, .yaml = print_yaml};

@@ -290,11 +290,12 @@ const cns_command cns_command_run = {
     .summary = "compute a trajectory and print it as a table",
     .details =
         "CASE is a case file, or - for standard input; `cns help case` lists its keys.\n"
-        "With `goal` the program finds digits, order and steps by itself and proves every decimal it prints "
-        "with a second, finer run. With `numerics` it computes as told; --prove adds the second run.\n"
+        "With `goal` the program finds digits, order and steps by itself and proves every decimal it prints. "
+        "With `numerics` it computes as told; --prove adds a second, finer run, and prints what both "
+        "support.\n"
         "--events writes a second table, when the first has ended: the moments at which the angle is a "
         "multiple of half a turn and its rate is zero (APW: theta = k pi, omega = 0), and those of "
-        "--section, with the states there; proven like the rows, by the same two runs. A section is "
+        "--section, with the states there; proven like the rows. A section is "
         "STATE=VALUE, STATE=VALUE mod PERIOD, or STATE=extremum. `direction` is the sign of the change (at "
         "a maximum -1), 0 where the state only touches. Nothing at the start counts. For the events alone: "
         "-o /dev/null.\n"

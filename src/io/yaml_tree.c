@@ -254,7 +254,8 @@ static const char *cure_of(builder *b)
     if (strstr(problem, "could not find expected ':'") != NULL)
         return "the line above is not 'key: value', with a space after the colon";
     if (strstr(problem, "document start") != NULL)
-        return "text after the end of the first value; a case file is lines of 'key: value'";
+        return "text after the end of the first value; a case file is lines of 'key: value'; is this a "
+               "table?";
     return NULL;
 }
 

@@ -39,6 +39,7 @@ typedef struct walk {
     mpq_t time;          /* passed since the start */
     mpq_t now;           /* scratch: the time itself */
     cns_time_form times;
+    bool unbounded;       /* the enclosure has ended in a derived quantity */
     bool enclosed, proof; /* by an enclosure; by that or by the coarser run */
     mpfr_t *error;        /* per column, and the largest: e */
     char **text;
@@ -75,9 +76,12 @@ typedef struct demand {
     double tie_time;
 } demand;
 
-/* e of an enclosure: of each column its own. */
-static void take_errors(walk *w)
+static bool is_exact(const walk *w, int column);
+
+/* e of an enclosure: of each column its own. CNS_NUMERIC: a derived quantity has none. */
+static cns_code take_errors(walk *w, cns_error *err)
 {
+    cns_code code = CNS_OK;
     const int columns = cns_columns(w->p);
     arf_t y;
     arf_init(y);
@@ -85,13 +89,19 @@ static void take_errors(walk *w)
     for (int i = 0; i < columns; i++) {
         const cns_column c = cns_column_at(w->p, i);
         mpfr_set_zero(w->error[i], 1);
-        if (c.kind == CNS_COLUMN_TIME)
+        if (c.kind == CNS_COLUMN_TIME || is_exact(w, i))
             continue;
         arf_set_mag(y, (c.kind == CNS_COLUMN_STATE ? w->s.state_error : w->s.output_error) + c.index);
         arf_get_mpfr(w->error[i], y, MPFR_RNDU);
         mpfr_max(w->error[columns], w->error[columns], w->error[i], MPFR_RNDN);
+        if (mpfr_number_p(w->error[i]))
+            continue;
+        w->unbounded = true;
+        code = cns_fail(err, CNS_NUMERIC, "no bound of the error of %s at t = %.12g",
+                        cns_system_model(w->p->system)->outputs[c.index].name, mpq_get_d(w->time));
     }
     arf_clear(y);
+    return code;
 }
 
 /* What is zero for ever, by the equations. */
@@ -113,8 +123,7 @@ static cns_code walk_to(walk *w, cns_error *err)
         return code;
     if (w->enclosed) {
         set_zeros(w);
-        take_errors(w);
-        return CNS_OK;
+        return take_errors(w, err);
     }
     code = cns_ahead_next(w->coarse, &w->c, &w->found_again, err);
     if (!code && w->explain)
@@ -564,7 +573,7 @@ static cns_code attempt(const cns_problem *p, const cns_goal *goal, const cns_sc
         code = cns_fail(err, CNS_UNREACHED, "max_time of %g s is used up at t = %.12g", goal->max_time,
                         cns_program_time(cns_system_program(p->system),
                                          mpfr_get_d(cns_flow_end(cns_trajectory_flow(w.fine)), MPFR_RNDN)));
-    *unbounded = code && w.fine && cns_trajectory_unbounded(w.fine);
+    *unbounded = code && w.fine && (w.unbounded || cns_trajectory_unbounded(w.fine));
     d->passed = w.told > d->passed ? w.told : d->passed;
     walk_close(&w, result);
     cns_proof_runs_clear(&runs);
@@ -647,6 +656,7 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
         d.excused = stuck >= 2;
         d.last = d.now;
         result->run.planned = false;
+        result->run.why_not[0] = '\0';
         result->run.attempt++;
         result->run.digits += (long)ceil(1.2 * d.missing) + 6 + result->run.digits / 30;
     }

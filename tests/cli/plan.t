@@ -14,7 +14,7 @@ $ grep '^digits\|^order' sum > a; grep '^digits\|^order' run > b; cmp a b
 $ p=$(sed -n 's/^steps: //p' sum); r=$(sed -n 's/^steps: //p' run); test $((10 * p)) -ge $((8 * r)); test $((10 * p)) -le $((12 * r))
 
 = a run says the same first
-$ cns plan "$CASES"/case4.yaml --until 5 --decimals 12 > plan; d=$(sed -n 's/^digits *\([0-9]*\),.*/\1/p' plan); o=$(sed -n 's/^order *\([0-9]*\),.*/\1/p' plan); s=$(sed -n 's/^steps *about //p' plan)
+$ cns plan "$CASES"/case4.yaml --until 5 --decimals 12 > plan; d=$(sed -n 's/^digits *\([0-9]*\),.*/\1/p' plan); o=$(sed -n 's/^order *\([0-9]*\).*/\1/p' plan); s=$(sed -n 's/^steps *about //p' plan)
 $ cns run "$CASES"/case4.yaml --set time.end=5 --set goal.decimals=12 2> note > table; grep -c "$d digits, order $o, .* about $s steps" note
 > 1
 
@@ -33,7 +33,7 @@ $ for f in n m; do cns plan $f.yaml | head -n 1; done
 > to t = 3 with 10 decimals:
 
 = more digits than max_digits allows
-$ cns plan "$CASES"/case4.yaml --until 5 --set goal.max_digits=30 --yaml | grep -c digits
+$ cns plan "$CASES"/case4.yaml --until 5 --decimals 30 --set goal.max_digits=30 --yaml | grep -c digits
 2> cns: more digits than max_digits (30) allows
 > 2
 
