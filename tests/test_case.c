@@ -197,11 +197,13 @@ START_TEST(refuses_with_a_place)
     bad("{}\n", "t:1:1: missing key 'model'\nt:1:1: missing key 'time'");
     bad("model: lorentz\ntime: {end: 1}\n", "t:1:8: unknown model 'lorentz'; did you mean 'lorenz'?");
     bad("modle: lorenz\ntime: {end: 1}\n", "t:1:1: unknown key 'modle'; did you mean 'model'?");
-    bad("model: lorenz\ntime: {every: 1}\n", "t:2:1: missing key 'end' in 'time': a number");
+    bad("model: lorenz\ntime: {every: 1}\n",
+        "t:2:1: missing key 'end' in 'time': a number between -1e300 and 1e300");
     bad("model: lorenz\ntime:\n", "t:2:6: 'time' has no value; it must be a mapping of keys to values");
     bad("model: lorenz\ntime: 5\n",
         "t:2:7: 'time' must be a mapping of keys to values: write 'time: {end: 5}'");
-    bad("model: lorenz\ntime: {end: [1]}\n", "t:2:13: 'end' in 'time' must be a number, not a list");
+    bad("model: lorenz\ntime: {end: [1]}\n",
+        "t:2:13: 'end' in 'time' must be a number between -1e300 and 1e300, not a list");
     bad("model: lorenz\ntime: {end: 0}\n", "t:2:13: 'end' in 'time' must differ from the start, 0");
     bad("model: lorenz\ntime: {end: 1, every: 1e-8}\n",
         "t:2:23: 'every' in 'time' makes more than 10000000 rows up to the end");
@@ -300,8 +302,8 @@ START_TEST(reports_all_in_order)
         "t:3:1: unknown key 'foo'; use model, parameters, initial, time, max_time, abs, goal, numerics, "
         "output, laws, "
         "lyapunov, orbit or bisect\n"
-        "t:4:1: missing key 'end' in 'time': a number\n"
-        "t:4:15: 'every' in 'time' must be a number > 0, not '0'");
+        "t:4:1: missing key 'end' in 'time': a number between -1e300 and 1e300\n"
+        "t:4:15: 'every' in 'time' must be a number between 0 and 1e300, not '0'");
     /* a flood is cut off, and counted */
     char *text = cns_xalloc(4000, 8);
     strcpy(text, MINIMAL "initial:\n");
@@ -381,7 +383,7 @@ END_TEST
 START_TEST(refuses_overrides)
 {
     bad_set(MINIMAL, "time.every=-1",
-            "--set time.every=-1: 'every' in 'time' must be a number > 0, not '-1'");
+            "--set time.every=-1: 'every' in 'time' must be a number between 0 and 1e300, not '-1'");
     bad_set(MINIMAL, "time.ende=1", "--set time.ende=1: unknown key 'ende' in 'time'; did you mean 'end'?");
     bad_set(MINIMAL, "tim.end=1", "--set tim.end=1: unknown key 'tim'; did you mean 'time'?");
     bad_set(MINIMAL, "time.end", "--set time.end: write SECTION.KEY=VALUE, as in numerics.digits=80");
@@ -389,7 +391,8 @@ START_TEST(refuses_overrides)
     bad_set(MINIMAL, "a..b=1", "--set a..b=1: write SECTION.KEY=VALUE, as in numerics.digits=80");
     bad_set(MINIMAL, "a.=1", "--set a.=1: write SECTION.KEY=VALUE, as in numerics.digits=80");
     bad_set(MINIMAL, "time.end=1\n2", "--set time.end=1?2: not one line of text in UTF-8 without tabs");
-    bad_set(MINIMAL, "time.end=", "--set time.end=: 'end' in 'time' has no value; it must be a number");
+    bad_set(MINIMAL, "time.end=",
+            "--set time.end=: 'end' in 'time' has no value; it must be a number between -1e300 and 1e300");
     bad_set(MINIMAL "goal: {decimals: 5}\n", "numerics.method=rk4",
             "--set numerics.method=rk4: missing in 'numerics': 'digits' and a fixed 'step'; add --set "
             "numerics.digits=40 --set numerics.step=1e-3");
