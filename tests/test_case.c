@@ -397,7 +397,8 @@ START_TEST(refuses_overrides)
             "--set numerics.method=rk4: missing in 'numerics': 'digits' and a fixed 'step'; add --set "
             "numerics.digits=40 --set numerics.step=1e-3");
     bad_set("model: lorenz\ntime: {end: 1, every: x}\n", "initial.q=1",
-            "t:2:23: 'every' in 'time' must be a number > 0; 'x' is not a number: use decimals, fractions "
+            "t:2:23: 'every' in 'time' must be a number between 0 and 1e300; 'x' is not a number: use "
+            "decimals, fractions "
             "and pi, "
             "as in 2.2, 1e-30, 8/3, 2*pi/3\n"
             "--set initial.q=1: unknown state 'q' of model lorenz; use x, y or z");
