@@ -145,6 +145,91 @@ START_TEST(planted_errors_are_noticed)
 }
 END_TEST
 
+/* A run of a program of n states for so many steps, `by` being added to a state after the first; error[i] is
+ * the bound at the end, x the states there. */
+static void follow_program(const cns_program *p, int n, const char *const *initial, int steps, int state,
+                           double by, mpfr_t *x, mpq_t time, mag_ptr error)
+{
+    cns_error err;
+    cns_number *x0 = numbers_new(n, initial);
+    const cns_flow_spec spec = cns_flow_spec_taylor(p, unit_scales, CNS_ARITH_FAST, 40);
+    cns_flow *f = flow_new(&spec);
+    cns_flow_start(f, x0);
+    cns_tube *tube = cns_tube_new(p, spec.prec, &err);
+    ck_assert_ptr_nonnull(tube);
+    cns_tube_start(tube, f, x0);
+    for (int k = 1; k <= steps; k++) {
+        check_ok(cns_flow_step(f, &err), &err);
+        if (k == 1 && by != 0) {
+            mpfr_add_d(x[0], cns_flow_state(f)[state], by, MPFR_RNDN);
+            cns_flow_replace(f, state, 1, x);
+        }
+        check_ok(cns_tube_follow(tube, f, &err), &err);
+    }
+    mpfr_get_q(time, cns_flow_end(f));
+    cns_flow_eval(f, time, x);
+    cns_tube_at(tube, f, time, x, error);
+    cns_tube_free(tube);
+    cns_flow_free(f);
+    numbers_free(x0, n);
+}
+
+/* u' = -u, p' = u, q' = p, r' = q: p, q and r feed back on nothing, but p's error is q's, and q's is r's. */
+START_TEST(errors_go_from_passive_states_to_others)
+{
+    enum { N = 4 };
+    static const char *const initial[N] = {"1", "-1", "1", "0"};
+    const double planted = 1e-10;
+    cns_program *p = program_new(N, NULL);
+    cns_derivative(p, 0, cns_neg(p, cns_state(p, 0)));
+    for (int i = 1; i < N; i++)
+        cns_derivative(p, i, cns_state(p, i - 1));
+    finished(p);
+    mpfr_t *x = cns_vector_xnew(N, 200);
+    mag_ptr error = _mag_vec_init(N);
+    mpq_t time;
+    mpq_init(time);
+    follow_program(p, N, initial, 12, 1, planted, x, time, error);
+    /* p = -e^-t, q = e^-t, r = 1 - e^-t, but for what was added at the end of the first step. */
+    const double q = mpfr_get_d(x[2], MPFR_RNDN) - exp(-mpq_get_d(time)),
+                 r = mpfr_get_d(x[3], MPFR_RNDN) - 1 + exp(-mpq_get_d(time));
+    ck_assert_double_gt(q, 5 * planted);
+    ck_assert_double_gt(r, 2 * q);
+    ck_assert_double_ge(mag_get_d(error + 1), planted);
+    ck_assert_double_ge(mag_get_d(error + 2) * (1 + 1e-6), q);
+    ck_assert_double_ge(mag_get_d(error + 3) * (1 + 1e-6), r);
+    mpq_clear(time);
+    _mag_vec_clear(error, N);
+    cns_vector_free(x);
+    cns_program_free(p);
+}
+END_TEST
+
+/* |s| s of s = |v| v: the tangents have a held sign within a product that another held sign multiplies. */
+START_TEST(kinks_of_kinks_are_bounded)
+{
+    enum { N = 2 };
+    static const char *const initial[N] = {"1", "1/2"};
+    cns_program *p = program_new(N, NULL);
+    const cns_node u = cns_state(p, 0), v = cns_state(p, 1), s = cns_mul(p, cns_abs(p, v), v),
+                   q = cns_mul(p, cns_abs(p, s), s);
+    cns_derivative(p, 0, q);
+    cns_derivative(p, 1, cns_neg(p, cns_add(p, q, u)));
+    finished(p);
+    mpfr_t *x = cns_vector_xnew(N, 200);
+    mag_ptr error = _mag_vec_init(N);
+    mpq_t time;
+    mpq_init(time);
+    follow_program(p, N, initial, 2, 0, 0, x, time, error);
+    for (int i = 0; i < N; i++)
+        ck_assert_double_lt(log2_mag(error + i), -90);
+    mpq_clear(time);
+    _mag_vec_clear(error, N);
+    cns_vector_free(x);
+    cns_program_free(p);
+}
+END_TEST
+
 Suite *suite_tube(void)
 {
     Suite *s = suite_create("tube");
@@ -152,6 +237,8 @@ Suite *suite_tube(void)
     tcase_set_timeout(t, 600);
     add_table_test(t, holds_the_solution, systems);
     add_table_test(t, planted_errors_are_noticed, systems);
+    tcase_add_test(t, errors_go_from_passive_states_to_others);
+    tcase_add_test(t, kinks_of_kinks_are_bounded);
     suite_add_tcase(s, t);
     return s;
 }

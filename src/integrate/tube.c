@@ -17,8 +17,8 @@ enum {
     GUESSES = 4,
     WIDEST_LOG2 = -6, /* of a tube: states are of order one in their units */
     MOST_BOXES = 128,
-    MOST_SEGMENTS = 32,
-    TIME_BITS = 64, /* more than the states', for times within a step */
+    MOST_SEGMENTS = 32, /* a power of two */
+    TIME_BITS = 64,     /* more than the states', for times within a step */
     BOX_BITS = 53
 };
 
@@ -45,7 +45,7 @@ typedef struct segment {
 struct cns_tube {
     const cns_program *p;
     int n, d;
-    int *index; /* the dynamic states */
+    int *index; /* the dynamic states, here all that a derivative depends on */
     cns_program *tangents;
     cns_jet *jet;       /* of the tangents, in double */
     cns_defect *defect; /* of the run's jet, which may be another one from step to step */
@@ -136,7 +136,7 @@ cns_tube *cns_tube_new(const cns_program *p, mpfr_prec_t prec, cns_error *err)
     t->index = calloc((size_t)t->n + 1, sizeof *t->index);
     t->state = cns_vector_new(t->n, prec);
     if (t->index != NULL)
-        t->d = cns_dynamic_states(p, t->index);
+        t->d = cns_states_in_derivatives(p, t->index);
     const size_t d = (size_t)t->d, n = (size_t)t->n;
     t->Q = calloc(4 * d * d + n * d + 2 * d + 2 * n + 1, sizeof *t->Q);
     t->r = mags(t->d);
@@ -448,7 +448,7 @@ static double tangent_at(const cns_tube *t, const segment *s, int i, int j, cons
 
 static bool is_dynamic(const cns_tube *t, int i)
 {
-    return cns_program_is_dynamic(t->p, i);
+    return cns_is_in_derivatives(t->p, i);
 }
 
 /* The error of state i at a time of the segment, of what the polynomials say: sum_j (|V_ij| + D_ij) r_j and
@@ -742,8 +742,8 @@ static cns_code pass_segment(cns_tube *t, segment *s, const cns_jet *J, mag_srcp
     return code;
 }
 
-/* Into how many segments a step is cut: such that within none an error may grow by much. e: as for
- * close_tube(). */
+/* Into how many segments a step is cut: such that within none an error may grow by much. A power of two, so
+ * that their ends and lengths are exact. e: as for close_tube(). */
 static int how_many_segments(cns_tube *t, const mag_t e)
 {
     mag_t tube;
@@ -754,8 +754,10 @@ static int how_many_segments(cns_tube *t, const mag_t e)
     t->first_log_K = log_K <= SHORT_GROWTH ? log_K : -1;
     if (log_K <= SHORT_GROWTH)
         return 1;
-    const double segments = ceil(2 * log_K / SHORT_GROWTH);
-    return segments < MOST_SEGMENTS ? (int)segments : MOST_SEGMENTS;
+    int segments = 2;
+    while (segments < MOST_SEGMENTS && segments * SHORT_GROWTH < 2 * log_K)
+        segments *= 2;
+    return segments;
 }
 
 static cns_code follow(cns_tube *t, const cns_flow *f, const cns_jet *J, cns_error *err)
@@ -917,6 +919,8 @@ double cns_tube_growth(cns_tube *t, const cns_flow *f, const mpq_t time)
             t->R[k * d + j] = 0;
             for (int l = 0; l < d; l++)
                 t->R[k * d + j] += t->Q1[k * d + l] * s->before[l * d + j];
+            if (!cns_program_is_dynamic(t->p, t->index[k]) || !cns_program_is_dynamic(t->p, t->index[j]))
+                t->R[k * d + j] = 0; /* what does not feed back has no growth of its own */
         }
     const double norm = cns_spectral_norm(t->R, d, t->Q1);
     arb_clear(within);

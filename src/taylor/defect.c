@@ -17,7 +17,8 @@ enum {
     CONSTANT_BITS = 64, /* more than the jet's, for the exact values of constants */
     TERMS = 48,         /* of a series, when its values are wanted to double precision */
     PIECES = 200,       /* of a step, when a sign is looked at */
-    LEADING = 4         /* coefficients that tell the mean fall */
+    LEADING = 4,        /* coefficients that tell the mean fall */
+    FACTORS = 6         /* of factors of factors, in a product that is looked through */
 };
 
 static double *c_of(const cns_defect *d, int row)
@@ -442,46 +443,33 @@ bool cns_defect_lowest(mag_t y, const cns_defect *d, int v)
     return true;
 }
 
-static void near(arb_t y, const cns_defect *d, int x, int u, const mag_t z)
+/* A product of small ones is small, of whatever kind they are; of all else the bound is that of its size. */
+static void where_small(mag_t y, const cns_defect *d, int x, int u, const mag_t z, int depth)
 {
     const cns_program_node *n = &d->p->node[x];
-    arb_zero(y);
+    mag_add(y, d->norm + x, d->e0 + x);
+    mag_add(y, y, d->e1 + x);
     if (x == u) {
-        mag_set(arb_radref(y), z);
-    } else if (n->constant) {
-        arb_set(y, d->constant + x);
-    } else if (n->op == CNS_OP_STATE) {
-        mag_add(arb_radref(y), d->norm + x, d->e0 + x);
-        mag_add(arb_radref(y), arb_radref(y), d->e1 + x);
-    } else {
-        arb_ptr value = _arb_vec_init(4);
-        cns_enclosure e = {.p = d->p, .node = n, .y = y, .prec = MAG_BITS};
-        for (int k = 0; k < 4; k++) {
-            e.x[k] = n->arg[k] < 0 ? NULL : value + k;
-            if (n->arg[k] >= 0)
-                near(value + k, d, n->arg[k], u, z);
-        }
-        cns_operations[n->op]->enclose(&e);
-        _arb_vec_clear(value, 4);
+        mag_min(y, y, z);
+    } else if (depth > 0 && (n->op == CNS_OP_MUL || n->op == CNS_OP_SQR || n->op == CNS_OP_SCALE)) {
+        mag_t a, b;
+        mag_init(a);
+        mag_init(b);
+        where_small(a, d, n->arg[0], u, z, depth - 1);
+        if (n->op == CNS_OP_SQR)
+            mag_set(b, a);
+        else
+            where_small(b, d, n->arg[1], u, z, depth - 1);
+        mag_mul(a, a, b);
+        mag_min(y, y, a);
+        mag_clear(a);
+        mag_clear(b);
     }
 }
 
 void cns_defect_where_small(mag_t y, const cns_defect *d, int x, int u, const mag_t z)
 {
-    mag_add(y, d->norm + x, d->e0 + x);
-    mag_add(y, y, d->e1 + x);
-    if (x != u && d->p->node[x].op != CNS_OP_MUL && d->p->node[x].op != CNS_OP_SQR &&
-        d->p->node[x].op != CNS_OP_SCALE)
-        return;
-    arb_t ball;
-    mag_t bound;
-    arb_init(ball);
-    mag_init(bound);
-    near(ball, d, x, u, z);
-    arb_get_mag(bound, ball);
-    mag_min(y, y, bound);
-    mag_clear(bound);
-    arb_clear(ball);
+    where_small(y, d, x, u, z, FACTORS);
 }
 
 /* ---- the whole ---- */
@@ -644,6 +632,7 @@ typedef struct fall_below {
     const double *c;
     int n, sigma;
     double error, end;
+    int order;  /* of u, of which c are the leading coefficients */
     int pieces; /* that may still be looked at */
 } fall_below;
 
@@ -658,8 +647,8 @@ static double below(fall_below *f, double a, double b, bool last)
         slope = slope * middle + k * f->c[k];
     for (int k = f->n; k >= 2; k--)
         bend = bend * b + (double)k * (k - 1) * fabs(f->c[k]);
-    const double spread = half * bend * (1 + 1e-12) + f->error * f->n;
-    if (f->sigma * slope - spread > 0) { /* it rises: least at a */
+    const double spread = half * bend * (1 + 1e-12) + f->error * f->order; /* with those that c has not */
+    if (f->sigma * slope - spread > 0) {                                   /* it rises: least at a */
         if (a == 0)
             return f->sigma * f->c[0] < 0 ? fabs(f->c[0]) * (1 + 1e-15) : 0;
         if (f->sigma * horner(f->c, f->n, a) > f->error)
@@ -728,8 +717,12 @@ void cns_defect_find_overshoot(cns_defect *d, const arb_t end)
         while (zeros < n && d->plain[zeros] == 0)
             zeros++;
         const double error = horner_error(d->plain, n) + rest;
-        fall_below f = {
-            .c = d->plain + zeros, .n = n - zeros, .sigma = J->sign[v], .error = error, .pieces = PIECES};
+        fall_below f = {.c = d->plain + zeros,
+                        .n = n - zeros,
+                        .sigma = J->sign[v],
+                        .error = error,
+                        .order = d->N,
+                        .pieces = PIECES};
         if (f.sigma * f.c[0] - (ldexp(S_of(d, d->row[u])[0] * d->slack, 0) - fabs(f.c[0])) > error)
             continue; /* the first coefficient outweighs the others */
         f.end = value_at(d, u, J->sign[v], end);

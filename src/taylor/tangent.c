@@ -15,6 +15,20 @@ int cns_dynamic_states(const cns_program *p, int *index)
     return d;
 }
 
+bool cns_is_in_derivatives(const cns_program *p, int i)
+{
+    return p->state_node[i] >= 0 && p->node[p->state_node[i]].needed;
+}
+
+int cns_states_in_derivatives(const cns_program *p, int *index)
+{
+    int d = 0;
+    for (int i = 0; i < p->n_states; i++)
+        if (cns_is_in_derivatives(p, i))
+            index[d++] = i;
+    return d;
+}
+
 cns_node cns_plus(const cns_direction *d, cns_node da, cns_node db)
 {
     return da < 0 ? db : db < 0 ? da : cns_add(d->q, da, db);

@@ -25,4 +25,9 @@ bool cns_exact_derivative(const cns_program *p, int i, mpq_t y);
 /* The number of dynamic states, and which they are: index[0..d-1]. */
 int cns_dynamic_states(const cns_program *p, int *index);
 
+/* Does the derivative of any state depend on state i? Of passive states, those that others are made of. And
+ * all such states. */
+bool cns_is_in_derivatives(const cns_program *p, int i);
+int cns_states_in_derivatives(const cns_program *p, int *index);
+
 #endif
