@@ -78,7 +78,7 @@ START_TEST(the_two_runs_differ)
         if (i == 0)
             cns_proof_of_goal(&r, &p, part[0] + CNS_ANOTHER_LIMB, &schedule);
         else
-            cns_proof_of_numerics(&r, &p, &by_hand[i - 1], true);
+            cns_proof_of_numerics(&r, &p, &by_hand[i - 1], CNS_PROOF_TWO_RUNS);
         ck_assert_int_eq(r.fine_digits - r.coarse_digits, CNS_ANOTHER_LIMB);
         ck_assert_int_gt(r.fine.prec, r.coarse.prec + 64);
         ck_assert_int_gt(r.fine.order, r.coarse.order);

@@ -36,8 +36,9 @@ typedef struct cns_column {
 typedef enum cns_proof_kind {
     CNS_PROOF_ENCLOSURE, /* by bounds of the error of the one run, which are theorems; from where on there is
                             no such bound, by two runs */
-    CNS_PROOF_TWO_RUNS   /* by a second run of other precision, order and steps, and the measured growth of
+    CNS_PROOF_TWO_RUNS,  /* by a second run of other precision, order and steps, and the measured growth of
                             noise */
+    CNS_PROOF_NONE       /* of given numerics: not at all; no goal has it */
 } cns_proof_kind;
 
 typedef struct cns_goal {

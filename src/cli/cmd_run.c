@@ -291,8 +291,9 @@ const cns_command cns_command_run = {
     .details =
         "CASE is a case file, or - for standard input; `cns help case` lists its keys.\n"
         "With `goal` the program finds digits, order and steps by itself and proves every decimal it prints. "
-        "With `numerics` it computes as told; --prove adds a second, finer run, and prints what both "
-        "support.\n"
+        "With `numerics` it computes as told; --prove bounds the error of a Taylor run, or adds a second, "
+        "finer run "
+        "to another, and prints the decimals that are right.\n"
         "--events writes a second table, when the first has ended: the moments at which the angle is a "
         "multiple of half a turn and its rate is zero (APW: theta = k pi, omega = 0), and those of "
         "--section, with the states there; proven like the rows. A section is "

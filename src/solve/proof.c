@@ -45,9 +45,13 @@ void cns_proof_enclosed(cns_proof_runs *r, const cns_problem *p, long digits, co
     r->fine.schedule_shift = digits - schedule->digits[0];
 }
 
-void cns_proof_of_numerics(cns_proof_runs *r, const cns_problem *p, const cns_numerics *n, bool proof)
+void cns_proof_of_numerics(cns_proof_runs *r, const cns_problem *p, const cns_numerics *n,
+                           cns_proof_kind kind)
 {
-    *r = (cns_proof_runs){.proof = proof, .fine_digits = n->digits};
+    const bool enclosed =
+        kind == CNS_PROOF_ENCLOSURE && n->method == CNS_METHOD_TAYLOR && n->arithmetic != CNS_ARITH_DOUBLE;
+    const bool proof = kind != CNS_PROOF_NONE && !enclosed;
+    *r = (cns_proof_runs){.proof = proof, .enclosed = enclosed, .fine_digits = n->digits};
     cns_number_init(&r->half_step);
     r->fine = cns_flow_spec_given(cns_system_program(p->system), cns_system_scales(p->system), n, 0);
     r->fine.verify = proof;

@@ -43,9 +43,11 @@ void cns_proof_of_goal(cns_proof_runs *r, const cns_problem *p, long digits, con
 /* The run of so many digits that proves its goal by an enclosure. The schedule is that of its digits, shifted
  * such that its first part has these. */
 void cns_proof_enclosed(cns_proof_runs *r, const cns_problem *p, long digits, const cns_schedule *schedule);
-/* Of given numerics. With a proof they describe the coarser run. The finer one has more digits; a Taylor run
- * also another order and shorter steps, a Runge-Kutta run half the step. */
-void cns_proof_of_numerics(cns_proof_runs *r, const cns_problem *p, const cns_numerics *n, bool proof);
+/* Of given numerics. An enclosure is one of the run that they describe; Runge-Kutta runs, and runs in double,
+ * have none: then it is as with two runs. With two they describe the coarser run. The finer one has more
+ * digits; a Taylor run also another order and shorter steps, a Runge-Kutta run half the step. */
+void cns_proof_of_numerics(cns_proof_runs *r, const cns_problem *p, const cns_numerics *n,
+                           cns_proof_kind kind);
 void cns_proof_runs_clear(cns_proof_runs *r);
 
 /* Raises e, the bound of several values, to what these two and log2 of the coarser one's noise (-HUGE_VAL:

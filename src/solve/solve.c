@@ -667,26 +667,43 @@ cns_code cns_solve_goal(const cns_problem *p, const cns_goal *goal, cns_result *
     return code ? code : conclude(p, &d, result, err);
 }
 
+/* The walk of given numerics from row d->row on. *unbounded as for attempt(). */
+static cns_code walk_as_given(const cns_problem *p, const cns_proof_runs *runs, demand *d, double since,
+                              cns_result *result, bool *unbounded, cns_error *err)
+{
+    walk w;
+    d->count = runs->enclosed ? runs->fine_digits : runs->coarse_digits;
+    cns_code code = walk_open(&w, p, runs, d->row, since, 0, result, err);
+    if (!code)
+        code = go(&w, d, result, err);
+    *unbounded = code && w.fine && (w.unbounded || cns_trajectory_unbounded(w.fine));
+    walk_close(&w, result);
+    return code;
+}
+
 cns_code cns_solve_numerics(const cns_problem *p, const cns_numerics *n, bool prove, cns_result *result,
                             cns_error *err)
 {
     const double since = cns_seconds();
     cns_proof_runs runs;
-    walk w;
+    bool unbounded = false;
     *result = (cns_result){.decimals = -1, .run = {.attempt = 1}};
     cns_code code = cns_problem_check(p, err);
     if (code)
         return code;
-    cns_proof_of_numerics(&runs, p, n, prove);
-    demand d = {.places = CNS_PLACES_DECIMALS, .count = runs.coarse_digits};
+    demand d = {.places = CNS_PLACES_DECIMALS};
+    cns_proof_of_numerics(&runs, p, n, prove ? CNS_PROOF_ENCLOSURE : CNS_PROOF_NONE);
     code = cns_cost_of_numerics(p, &runs, &result->run, err);
-    if (!code) {
-        code = walk_open(&w, p, &runs, 0, since, 0, result, err);
-        if (!code)
-            code = go(&w, &d, result, err);
-        walk_close(&w, result);
-    }
+    if (!code)
+        code = walk_as_given(p, &runs, &d, since, result, &unbounded, err);
     cns_proof_runs_clear(&runs);
+    if (unbounded && code == CNS_NUMERIC) { /* two runs go on */
+        snprintf(result->run.why_not, sizeof result->run.why_not, "%.255s", err->text);
+        result->run.attempt++;
+        cns_proof_of_numerics(&runs, p, n, CNS_PROOF_TWO_RUNS);
+        code = walk_as_given(p, &runs, &d, since, result, &unbounded, err);
+        cns_proof_runs_clear(&runs);
+    }
     result->complete = result->reached = !code;
     result->wall_s = cns_seconds() - since;
     return code ? code : conclude(p, &d, result, err);

@@ -65,7 +65,7 @@ $ cat > a.yaml; cns run -q a.yaml | grep -c '^# UNPROVEN'
 | numerics: {arithmetic: mpfr, digits: 30}
 > 1
 
-= --prove adds the second run: its numerics, and decimals in every row
+= --prove bounds the error of a Taylor run, and gives decimals in every row
 $ cat > a.yaml; cns run -q --prove a.yaml > a.csv; grep -c '^# UNPROVEN' a.csv || true
 $ grep '^# proof' a.csv; grep '^1,' a.csv | cut -d, -f8
 | model: apw
@@ -73,7 +73,7 @@ $ grep '^# proof' a.csv; grep '^1,' a.csv | cut -d, -f8
 | time: {end: 1, every: 0.5}
 | numerics: {arithmetic: mpfr, digits: 30}
 > 0
-> re:^# proof: a second run of 30 digits
+> re:^# proof: an enclosure: 
 > re:^2[0-9]$
 
 = a run in double by hand: Runge-Kutta, with its step
